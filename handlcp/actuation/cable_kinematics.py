@@ -24,8 +24,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.dense import kernel
+from handlcp.check import Array, Bools, Ints
+from handlcp.grasp.model.mechanism import TendonArms
+from handlcp.lcp.kernels.dense import kernel, product
 
 SURFACE_ROUNDING = 1e-9  # of a radius: a point less deep inside a body lies on its surface
 
@@ -314,15 +315,13 @@ def evaluate_cable_paths(s: PackedRoutes, posed: CablePosture, out: CablePaths) 
 
 
 @kernel
-def add_moment_arm_stiffness(s: PackedRoutes, posed: CablePosture, tension: Array, out: Array) -> None:
-    """Add Σ T ∂arms/∂q, symmetric, to out (joints, joints); tension (t,) : T."""
+def evaluate_arm_rates(s: PackedRoutes, posed: CablePosture, out: Array) -> None:
+    """Add ∂arms/∂q of each tendon, symmetric [m/rad²], to out (t, joints, joints)."""
     at, columns = _transform_places(s, posed.placements), posed.columns
     low, high = _copy_places(at), _copy_places(at)
     before, after = np.empty((5, 3)), np.empty((5, 3))
     for n in range(len(s.legs)):
-        if tension[s.legs[n, 0]] == 0.0:
-            continue
-        share = tension[s.legs[n, 0]] / s.divisors[n] / (2.0 * _DIFFERENCE_STEP)
+        rates, share = out[s.legs[n, 0]], 1.0 / s.divisors[n] / (2.0 * _DIFFERENCE_STEP)
         for i in range(len(columns)):
             if not _is_leg_moved(s, n, i):
                 continue
@@ -337,12 +336,81 @@ def add_moment_arm_stiffness(s: PackedRoutes, posed: CablePosture, tension: Arra
                 if _is_leg_moved(s, n, j):
                     change = _leg_arm(s, n, columns[j], high, after, j, more > 0.0)
                     change = share * (change - _leg_arm(s, n, columns[j], low, before, j, less > 0.0))
-                    out[i, j] += change
+                    rates[i, j] += change
                     if i != j:
-                        out[j, i] += change
+                        rates[j, i] += change
             for k in range(3):
                 _restore_place(low, at, s.legs[n, 1 + k])
                 _restore_place(high, at, s.legs[n, 1 + k])
+
+
+class RoutedTendons(NamedTuple):
+    """t tendons over nv independent joints, r of them along routes, as compiled code reads them.
+
+    routes : of the r tendons. numbers (r,) : which of the t they are.
+    coupling (joints, nv) : of the independent joints; empty (0, 0) where they are all of them.
+    elastic (nv,) : joints that are not rigid; arms of the others are 0, since no load reaches tendons through them.
+    given : with the arms that were given, 0 of routes; wrap_friction of posts of routes is their μ.
+    post_legs (m,) : number of the leg that goes round a post, -1: of a tendon without a route.
+    """
+
+    routes: PackedRoutes
+    numbers: Ints
+    coupling: Array
+    elastic: Bools
+    given: TendonArms
+    post_legs: Ints
+
+
+@kernel
+def lay_tendons(s: RoutedTendons, posed: CablePosture, q: Array) -> tuple[TendonArms, CablePaths, int, float]:
+    """The tendons with joints at q (nv,), in the posture of that: their arms, and their paths over the independent
+    joints, rigid ones included; and the first site inside its body as of `evaluate_cable_paths`.
+    """
+    r, joints, legs, nv = len(s.numbers), len(posed.columns), len(s.routes.legs), len(q)
+    paths = CablePaths(
+        np.zeros(r), np.zeros((r, joints)), np.zeros(legs), np.zeros((legs, 2, joints)), np.zeros((legs, joints)),
+        np.zeros((legs, 4, 3)), np.zeros((legs, 3)),
+    )  # fmt: skip
+    wrong, depth = evaluate_cable_paths(s.routes, posed, paths)
+    arms, beyond, own = paths.arms, paths.arms_beyond, paths.piece_arms
+    if len(s.coupling) > 0:
+        arms, beyond, own = product(arms, s.coupling), product(beyond, s.coupling), np.zeros((legs, 2, nv))
+        for n in range(legs):
+            own[n] = product(paths.piece_arms[n], s.coupling)
+    R, shift = s.given.arms.copy(), np.zeros(len(s.given.arms))
+    friction, arms_beyond = s.given.wrap_friction.copy(), s.given.arms_beyond.copy()
+    for k in range(r):
+        i = s.numbers[k]
+        shift[i] = -paths.lengths[k]
+        for j in range(nv):
+            R[i, j] = arms[k, j] if s.elastic[j] else 0.0
+            shift[i] -= R[i, j] * q[j]
+    for p in range(len(friction)):
+        leg = s.post_legs[p]
+        if leg >= 0:
+            friction[p] *= paths.wrap_angles[leg]
+            for j in range(nv):
+                arms_beyond[p, j] = beyond[leg, j] if s.elastic[j] else 0.0
+    paths = CablePaths(paths.lengths, arms, paths.wrap_angles, own, beyond, paths.piece_ends, paths.wrap_sides)
+    return TendonArms(R, shift, friction, arms_beyond), paths, wrong, depth
+
+
+@kernel
+def tendon_arm_rates(s: RoutedTendons, posed: CablePosture) -> Array:
+    """(t, nv, nv) ∂R/∂q in a posture [m/rad²], symmetric; 0 of given arms and of rigid joints."""
+    joints, nv = len(posed.columns), len(s.elastic)
+    rates, out = np.zeros((len(s.numbers), joints, joints)), np.zeros((len(s.given.arms), nv, nv))
+    evaluate_arm_rates(s.routes, posed, rates)
+    for k in range(len(s.numbers)):
+        own = rates[k]
+        if len(s.coupling) > 0:
+            own = product(s.coupling.T.copy(), product(own, s.coupling))
+        for i in range(nv):
+            for j in range(nv):
+                if s.elastic[i] and s.elastic[j]:
+                    out[s.numbers[k], i, j] = own[i, j]
+    return out
 
 
 @kernel

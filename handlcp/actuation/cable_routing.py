@@ -13,10 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from handlcp.actuation.cable_kinematics import RoutedTendons, tendon_arm_rates
 from handlcp.actuation.route import Around, BoundRoutes, Pulley, Route
-from handlcp.check import Array, Ints, check_array, check_keys, check_number, count_dimensions, read_only
+from handlcp.check import Array, Bools, Ints, check_array, check_keys, check_number, count_dimensions, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.model.mechanism import Cables
+from handlcp.grasp.model.mechanism import Cables, TendonArms
 
 Arms = dict[str, dict[str, float]]
 _FRICTION_ARGUMENT = "Tendons.friction"
@@ -73,27 +74,34 @@ class CableRouting:
         """Along routes whose places are elsewhere on their links; point : as of `Site.moved`."""
         return replace(self, routes={i: route.moved(point) for i, route in self.routes.items()})
 
-    def lay_out(self, bound: BoundRoutes | None, q: Array, given: Cables) -> Cables:
-        """Cables with joints at q (nv,), from those with the arms that were given. Raises as `BoundRoutes.evaluate`."""
+    def bind(self, bound: BoundRoutes, given: Cables, elastic: Bools) -> RoutedTendons:
+        """As compiled code reads it, with its routes on the links of a hand; arguments as in `lay_out`."""
+        posts = TendonArms(given.arms, given.shift, given.wrap_friction, given.arms_beyond)
+        routed = np.array([*self.routes], dtype=np.int64)
+        return bound.tendons._replace(numbers=routed, elastic=elastic, given=posts, post_legs=self.posts.legs)
+
+    def lay_out(self, bound: BoundRoutes | None, q: Array, given: Cables, elastic: Bools) -> tuple[Cables, Array]:
+        """Cables with joints at q (nv,), from those with the arms that were given, and arms (t, nv) of all joints,
+        rigid ones included. elastic (nv,) : joints that are not rigid. Raises as `BoundRoutes.lay_tendons`.
+        """
         if bound is None:
-            return given
-        routed, legs = np.array([*self.routes], dtype=np.int64), self.posts.legs
-        wrapping = [leg.body is not None for route in self.routes.values() for leg in route.legs]
-        strung, posed = bound.evaluate(q)
-        R, shift = given.arms.copy(), np.zeros(len(given.arms))
-        R[routed], shift[routed] = strung.arms, -strung.lengths - strung.arms @ q
-        friction, arms_beyond, on = given.wrap_friction, given.arms_beyond, legs >= 0
-        if len(legs):
-            friction = read_only(np.where(on, friction * strung.wrap_angles[legs], friction))
-            arms_beyond = read_only(np.where(on[:, None], strung.arms_beyond[legs], arms_beyond))
-        return given._replace(
-            arms=read_only(R),
-            shift=read_only(shift),
-            wrap_friction=friction,
-            arms_beyond=arms_beyond,
-            moment_arm_stiffness=partial(bound.moment_arm_stiffness, posed, routed),
-            wrap_sides=read_only(strung.wrap_sides[wrapping]),
+            return given, self.arms
+        tendons = self.bind(bound, given, elastic)
+        laid, paths, posed = bound.lay_tendons(tendons, q)
+        arms, wrapping = (
+            self.arms.copy(),
+            [leg.body is not None for route in self.routes.values() for leg in route.legs],
         )
+        arms[tendons.numbers] = paths.arms
+        cables = given._replace(
+            arms=read_only(laid.arms),
+            shift=read_only(laid.shift),
+            wrap_friction=read_only(laid.wrap_friction),
+            arms_beyond=read_only(laid.arms_beyond),
+            arm_rates=partial(tendon_arm_rates, tendons, posed),
+            wrap_sides=read_only(paths.wrap_sides[wrapping]),
+        )
+        return cables, read_only(arms)
 
     def describe_bodies(self, names: Sequence[str]) -> tuple[str, ...]:
         """Round bodies that routes pass, in words; names (t,)."""

@@ -413,31 +413,6 @@ class FingertipPads:
 
 
 @kernel
-def inverse_root(K: Array, A: Array) -> bool:
-    """Write L⁻ᵀ of K = L Lᵀ (n, n) into A (n, n), of zeros; False where K is not positive definite."""
-    n = len(K)
-    L = np.zeros((n, n))
-    for i in range(n):
-        for j in range(i + 1):
-            left = K[i, j]
-            for k in range(j):
-                left -= L[i, k] * L[j, k]
-            if i > j:
-                L[i, j] = left / L[j, j]
-            elif left > 0.0:
-                L[i, i] = np.sqrt(left)
-            else:
-                return False
-    for j in range(n):
-        A[j, j] = 1.0 / L[j, j]
-        for i in range(j + 1, n):
-            for k in range(j, i):
-                A[j, i] -= L[i, k] * A[j, k]
-            A[j, i] /= L[i, i]
-    return True
-
-
-@kernel
 def tip_flexibility(jacobian: Array, root: Array, pads: Array) -> Array:
     """E = J K⁻¹ Jᵀ + pads (3m, 3m) [m/N]; jacobian (3m, nv), root as in `joint_flexibility`, pads (m, 3, 3)."""
     E = joint_flexibility(jacobian, root)

@@ -14,12 +14,12 @@ from handlcp.actuation.cable_kinematics import (
     CablePaths,
     CablePosture,
     PackedRoutes,
-    add_moment_arm_stiffness,
-    evaluate_cable_paths,
+    RoutedTendons,
+    lay_tendons,
+    tendon_arm_rates,
 )
 from handlcp.check import (
     Array,
-    Ints,
     check_array,
     check_init_call,
     check_number,
@@ -29,6 +29,7 @@ from handlcp.check import (
     read_only,
 )
 from handlcp.errors import InputError, UnknownName, Unsupported, shorten_repr
+from handlcp.grasp.model.mechanism import TendonArms
 
 CYLINDER, SPHERE = "cylinder", "sphere"
 
@@ -264,37 +265,34 @@ class BoundRoutes:
         for row, frame in zip(support, on, strict=True):
             row[[model.joints[j].idx_v for j in model.supports[model.frames[frame].parentJoint] if j]] = 1.0
         self.frames = tuple(frames)  # of Pinocchio, of the links
-        self.strands = _pack_routes(routes, [frames.index(frame) for frame in on], support)
+        C, count = kinematics.coupling, len(routes)
+        nv, none = model.nv if C is None else C.shape[1], np.zeros(0)
+        self.tendons = RoutedTendons(
+            _pack_routes(routes, [frames.index(frame) for frame in on], support),
+            np.arange(count),
+            np.zeros((0, 0)) if C is None else np.ascontiguousarray(C),
+            np.ones(nv, dtype=bool),
+            TendonArms(np.zeros((count, nv)), np.zeros(count), none, np.zeros((0, nv))),
+            np.zeros(0, dtype=np.int64),
+        )
 
     def pose_links(self, q: Array) -> CablePosture:
         """With joints at q (nv,)."""
         placements, J = self.kinematics.frames_at(q, self.frames)
         return CablePosture(placements, J.T.copy())
 
-    def evaluate(self, q: Array) -> tuple[CablePaths, CablePosture]:
-        """Lengths, arms and wraps with joints at q (nv,), over the independent joints, and that posture. Raises
+    def lay_tendons(self, tendons: RoutedTendons, q: Array) -> tuple[TendonArms, CablePaths, CablePosture]:
+        """Tendons of which some run along these routes, with joints at q (nv,): arms, paths, and that posture. Raises
         InputError where a site is inside a body that the cable goes round.
         """
         posed = self.pose_links(q)
-        t, legs, joints = len(self.routes), len(self.strands.divisors), len(posed.columns)
-        shapes = (t,), (t, joints), (legs,), (legs, 2, joints), (legs, joints), (legs, 4, 3), (legs, 3)
-        out = CablePaths(*map(np.zeros, shapes))
-        wrong, depth = evaluate_cable_paths(self.strands, posed, out)
+        laid, paths, wrong, depth = lay_tendons(tendons, posed, q)
         if wrong >= 0:
             raise self._inside_error(int(wrong), float(depth), q)
-        C = self.kinematics.coupling
-        if C is not None:
-            out = out._replace(arms=out.arms @ C, piece_arms=out.piece_arms @ C, arms_beyond=out.arms_beyond @ C)
-        return out, posed
-
-    def moment_arm_stiffness(self, posed: CablePosture, which: Ints, tension: Array) -> Array:
-        """(nv, nv) Σ T ∂arms/∂q [N·m/rad], symmetric; which (t,) : numbers of the tendons among their tensions T."""
-        H, C = np.zeros((len(posed.columns),) * 2), self.kinematics.coupling
-        add_moment_arm_stiffness(self.strands, posed, tension[which], H)
-        return H if C is None else np.asarray(C.T @ H @ C)
+        return laid, paths, posed
 
     def _inside_error(self, wrong: int, depth: float, q: Array) -> InputError:
-        tendon, first, last, body = self.strands.legs[wrong // 2].tolist()
+        tendon, first, last, body = self.tendons.routes.legs[wrong // 2].tolist()
         begins = sum([len(route.places) for route in self.routes[:tendon]])
         around = self.routes[tendon].places[body - begins]
         assert isinstance(around, Around)
@@ -315,7 +313,8 @@ class BoundRoute:
         """Length, arms and wraps at q (nv,) [rad, m], or a mapping of joint names. Raises InputError: also where a site
         is inside a body that the cable goes round.
         """
-        (found, _), pieces = self.routes.evaluate(self.routes.kinematics.read_posture("q", q)), list[Piece]()
+        posture, pieces = self.routes.kinematics.read_posture("q", q), list[Piece]()
+        _, found, _ = self.routes.lay_tendons(self.routes.tendons, posture)
         legs = zip(found.wrap_angles.tolist(), found.piece_ends, found.piece_arms, strict=True)
         for n, (turned, ends, arms) in enumerate(legs):
             pieces.append(Piece(ends[0], ends[1], read_only(arms[0]), 0.0, n))
@@ -332,7 +331,7 @@ class BoundRoute:
         a wrap comes or goes it is the mean over both sides.
         """
         posed = self.routes.pose_links(self.routes.kinematics.read_posture("q", q))
-        return read_only(self.routes.moment_arm_stiffness(posed, np.zeros(1, dtype=np.int64), np.ones(1)))
+        return read_only(tendon_arm_rates(self.routes.tendons, posed)[0])
 
 
 def _pack_routes(routes: Sequence[Route], at: list[int], support: Array) -> PackedRoutes:

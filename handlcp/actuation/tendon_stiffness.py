@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, Self, TypeVar
 
 import numpy as np
 
 from handlcp.actuation.cable_routing import CableRouting
-from handlcp.actuation.joint_stiffness import TENDON_TENSION, Effort, JointStiffness, inverse_root, orthonormal_basis
+from handlcp.actuation.joint_stiffness import TENDON_TENSION, Effort, JointStiffness, orthonormal_basis
 from handlcp.actuation.motor import Drives, check_driven_once, read_tendon_motors
 from handlcp.actuation.route import BoundRoutes, Route
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model.mechanism import Cables
+from handlcp.lcp.kernels.dense import inverse_root
 from handlcp.tolerances import SEMIDEFINITE_TOLERANCE
 
 TENDON_EQUATION = "K = K_p + Rᵀ k R,  t = k R δq"
@@ -60,13 +61,9 @@ class TendonModel:
         """The elasticity of the joints with the tendons in a posture q (nv,), of this kind; bound_routes : the tendons'
         routes on the links of the hand, None without. cables_at : `elasticity_at` of its `Cables`.
         """
-        cables = self.routing.lay_out(bound_routes, q, self._given_cables)._replace(elasticity_at=cables_at)
-        arms, elastic = cables.arms, self._is_elastic
-        if not elastic.all():  # no load reaches the tendons through a rigid joint
-            own, beyond = (read_only(np.where(elastic, rows, 0.0)) for rows in (arms, cables.arms_beyond))
-            cables = cables._replace(arms=own, arms_beyond=beyond)
-            if (turning := cables.moment_arm_stiffness) is not None:
-                cables = cables._replace(moment_arm_stiffness=partial(_mask_stiffness, turning, elastic))
+        elastic = self._is_elastic
+        cables, arms = self.routing.lay_out(bound_routes, q, self._given_cables, elastic)
+        cables = cables._replace(elasticity_at=cables_at)
         through = cables.arms.T @ self.springs @ cables.arms
         K, (least, total) = self.passive + (through + through.T) / 2, self._passive_size
         # No less than SEMIDEFINITE_TOLERANCE times its largest eigenvalue
@@ -91,13 +88,17 @@ class TendonModel:
 
     @cached_property
     def _given_cables(self) -> Cables:
-        """With the arms that were given: what is the same in every posture, and in all of them without routes."""
-        none, posts = np.zeros(len(self.joints)), self.routing.posts
+        """With the arms that were given: what is the same in every posture, and in all of them without routes. No load
+        reaches tendons through a rigid joint: its arms are 0.
+        """
+        none, posts, elastic = np.zeros(len(self.joints)), self.routing.posts, self._is_elastic
         own = read_only(np.where(np.isinf(self.passive), 0.0, self.passive))
         most, still = tension_limits(self.drives, self.strength), read_only(np.zeros(len(self.names)))
+        arms, beyond = (read_only(np.where(elastic, rows, 0.0)) for rows in (self.routing.arms, posts.arms_beyond))
         cables = Cables(
-            self.names, self.routing.arms, self.springs, own, none, self.pretension, most, *posts[:3], still
-        )
+            self.names, arms, self.springs, own, none, self.pretension, most, posts.post_tendon, posts.friction, beyond,
+            still,
+        )  # fmt: skip
         return cables._replace(wrapped_bodies=self.routing.describe_bodies(self.names))
 
 
@@ -268,11 +269,6 @@ class TendonPostureCache:
     def __getstate__(self) -> dict[str, Any]:
         """Without what it has worked out lately."""
         return {**self.__dict__, "_lately": {}}
-
-
-def _mask_stiffness(turning: Callable[[Array], Array], elastic: Bools, tension: Array) -> Array:
-    """`Cables.moment_arm_stiffness` with 0 for rigid joints."""
-    return np.asarray(turning(tension) * np.outer(elastic, elastic))
 
 
 def tension_limits(drives: Drives | None, strength: Array) -> Array:

@@ -20,7 +20,7 @@ from handlcp.geometry.object import Object, object_weight_wrench
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.joint_offset import commanded_offset, find_command
 from handlcp.grasp.model.flexibility import FlexibilityFactor
-from handlcp.grasp.model.mechanism import JointModel, Mechanism, read_joints
+from handlcp.grasp.model.mechanism import JointModel, Mechanism, evaluate_joints
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.hand.grasp_variation import GraspVariation
@@ -146,7 +146,7 @@ class HandMechanism(Mechanism):
         self, scene: Scene, effects: tuple[Effect, ...], forces: Array, torsion: Array | None, extra: dict[str, Array]
     ) -> dict[str, Any]:
         """Torques, deflection, yielding, torque check and effort, as `HandGraspSolution` has them."""
-        joints = read_joints(self, scene, effects, forces, torsion, extra)
+        joints = evaluate_joints(self, scene, effects, forces, torsion, extra)
         total = read_only(joints.torque)
         return {
             "torques": total,

@@ -219,7 +219,8 @@ def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[
 
     Raises InputError; Unsupported, by name, for what MuJoCo cannot have exactly: preloads and offsets that no joint
     makes, contacts given one by one, meshes that are not convex, anisotropic friction, prescribed and bounded forces,
-    soft wrists and surfaces, pads that turn, fingertips that touch along a line or on a patch.
+    tendons that rub on posts, soft wrists and surfaces, pads that turn, fingertips that touch along a line or on a
+    patch.
     """
     hand_grasp, settings = require_hand_grasp(grasp), SimulatorSettings() if settings is None else settings
     check_writable(hand_grasp)

@@ -104,7 +104,9 @@ _MIN_LINK_INERTIA = 1e-9  # [kg·m²]
 _STIFFNESS_ROUNDING = 1e-12  # of the largest stiffness: less is rounding, and no spring
 _UNLIMITED_FORCE = 1e6  # [N] of a tendon, in place of none
 _JOINT_ARMATURE = 1e-5  # [kg·m²] of every joint: links without inertia would move without limit
-# As near to 1 as MuJoCo has it: else a joint creeps that its friction should hold
+# A joint that its friction should hold creeps by (1 - d) / d · f τ / 2I [rad/s], with f the torque that friction bears,
+# I the inertia, impedance d and time constant τ. d as near to 1, and τ of as few time steps, as MuJoCo has them
+_LEAST_TIME_STEPS = 2.0
 _JOINT_FRICTION_IMPEDANCE = (0.9999, 0.9999, 1e-3)
 
 
@@ -126,7 +128,7 @@ def add_hand(world: ET.Element, hand: HandModel, weighs: bool, settings: Simulat
         kind, axis = mujoco_joint_axis(model, i)
         rubbing: dict[str, Any] = {}
         if rubs := friction.get(name, 0.0):
-            rubbing = {"frictionloss": rubs, "solreffriction": (settings.contact_time, 1.0)}
+            rubbing = {"frictionloss": rubs, "solreffriction": (_LEAST_TIME_STEPS * settings.timestep, 1.0)}
             rubbing["solimpfriction"] = _JOINT_FRICTION_IMPEDANCE
         if kind:
             moves = {"type": kind, "axis": axis, "armature": _JOINT_ARMATURE} | rubbing | springs.get(name, {})

@@ -209,9 +209,8 @@ class Comparison(Told):
 
     @property
     def torque_error(self) -> float:
-        """The same of the joints' torques."""
-        solution: Any = self.loading.solution
-        return self._error_share(solution.torques, self.simulation.torques)
+        """The same of the torques that the joints are driven with, what dry friction takes of them included."""
+        return self._error_share(self.loading.steps.pulled[-1], self.simulation.torques)
 
     @property
     def motion_error(self) -> float:

@@ -129,6 +129,10 @@ def check_writable(grasp: HandGrasp) -> None:
             raise Unsupported(f"MuJoCo has no exact counterpart of {effect.title}")
     for name, contact in zip(spec.names, spec.contacts, strict=True):
         friction_attributes(name, contact.friction)
+    cables = grasp.mechanism.joint_model.cables
+    if cables is not None and len(cables.post_tendon):  # MuJoCo's friction of a tendon is no share of its tension
+        rubbing = ", ".join([cables.names[i] for i in np.unique(cables.post_tendon)])
+        raise Unsupported(f"tendons that rub on what they wrap around cannot be written: {rubbing}")
     k = spec.of_hand
     if abs(spec.offset[:k] - grasp.mechanism.stand_off).max(initial=0.0) > _EQUAL_OFFSET_TOLERANCE:
         what = "a preload or an offset of the tips, which no joint makes, cannot be written"

@@ -1,6 +1,6 @@
 """A hand whose answers can be written down: fingers of one joint and length L that push towards each other."""
 
-from handlcp import Contact, Coulomb
+from handlcp import Contact, Coulomb, Environment
 from handlcp.hand import Hand
 
 L, K, PAD, MU = 0.08, 20.0, 1e-4, 0.5  # m, N·m/rad, m/N, –
@@ -35,3 +35,13 @@ def lever_pinch(hand, force=(0.0, 0.0, -1.0), mu=MU, **more):
     """Both tips on an object between them, tangents up, under a force."""
     contacts = [Contact((side * 0.01, 0, L), (-side, 0, 0), Coulomb(mu), tangent=(0, 0, 1)) for side in (-1.0, 1.0)]
     return hand.at([0.0, 0.0]).grasp(contacts, wrench=(*force, 0, 0, 0), reference=(0, 0, L), **more)
+
+
+def lever_against_a_wall(write, wall, **more):
+    """The left finger alone, which presses an object against a wall that gives way by `wall` [m/N]."""
+    left = _FINGER.format(name="left", x=-0.01, axis=1, length=L, half=L / 2, mass=MASS)
+    settings = {"joint_stiffness": K, "pad_flexibility": PAD} | more
+    hand = Hand.from_urdf(write(f'<robot name="lever"><link name="palm"/>{left}</robot>'), **settings)
+    ours, theirs = (Contact((-s * 0.01, 0, L), (s, 0, 0), Coulomb(MU), tangent=(0, 0, 1)) for s in (1.0, -1.0))
+    behind = Environment([theirs], wall)
+    return hand.at([0.0]).grasp([ours], wrench=[0.0] * 6, reference=(0, 0, L), environment=behind)

@@ -34,7 +34,7 @@ def test_a_tendon_drawn_around_a_post_loses_the_share_that_its_wrap_takes(write,
     N, tension = pressed()
     np.testing.assert_allclose(end.read.forces[:, 2], N, rtol=2e-9 if steps == 1 else 1e-7)
     np.testing.assert_allclose(end.pull.tension, tension, rtol=1e-8)
-    np.testing.assert_allclose(end.pull.posts, tension * (1.0 - LESS), rtol=1e-8)
+    np.testing.assert_allclose(end.pull.post_friction, tension * (1.0 - LESS), rtol=1e-8)
 
 
 @pytest.mark.parametrize("steps", [3, 60])

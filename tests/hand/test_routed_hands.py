@@ -52,7 +52,7 @@ def test_posts_of_a_route_take_what_its_wraps_say(write):
     path = chains(write, True, friction=0.1).follow(order="squeeze")
     bound = on_pulleys("left", -0.01, 1.0).bound(path.state.hand.kinematics)
     first, second = bound.at(path.state.q).angles
-    tension, posts = path.steps.tensions[-1, 0], path.last.pull.posts[:2]
+    tension, posts = path.steps.tensions[-1, 0], path.last.pull.post_friction[:2]
     left = tension * np.exp(-0.1 * first)
     np.testing.assert_allclose(posts, [tension - left, left * (1 - np.exp(-0.1 * second))], rtol=1e-6)
 

@@ -464,14 +464,26 @@ def test_tensions_weigh_how_arms_change_and_rigid_joints_feel_none_of_it():
     hand = cabled()
     q, T = random_postures(hand, 1)[0], np.array([3.0, 0.0, 1.0, 2.0])
     slopes = np.array([bound.slope(q) for bound in alone(hand)])
-    turning = hand.posed(q).stiffness.cables.moment_arm_stiffness
-    np.testing.assert_allclose(turning(T), np.tensordot(T, slopes, 1), atol=1e-12)
+    rates = hand.posed(q).stiffness.cables.arm_rates
+    np.testing.assert_allclose(np.tensordot(T, rates(), 1), np.tensordot(T, slopes, 1), atol=1e-12)
     first = hand.joint_names[0]
     springs = {name: np.inf if name == first else 1.0 for name in hand.joint_names}
     rigid = hand.replace(joint_stiffness=hl.Tendons(hand.stiffness.routes, 3e4, springs)).posed(q).stiffness.cables
     expected = np.tensordot(T, slopes, 1)
     expected[0] = expected[:, 0] = 0.0
-    np.testing.assert_allclose(rigid.moment_arm_stiffness(T), expected, atol=1e-12)
+    np.testing.assert_allclose(np.tensordot(T, rigid.arm_rates(), 1), expected, atol=1e-12)
+
+
+def test_what_joints_have_drawn_in_of_a_cable_is_what_it_is_shorter_by_over_rigid_joints_too():
+    """L = -L in every posture, so that a rigid joint whose arm changes with the others' angles draws nothing in."""
+    plain = cabled()
+    rigid = dict.fromkeys(plain.joint_names, 1.0) | {plain.joint_names[0]: np.inf}
+    hand = plain.replace(joint_stiffness=hl.Tendons(plain.stiffness.routes, 3e4, rigid))
+    for q in random_postures(hand, 2):
+        assert abs(q[0]) > 1e-2
+        cables = hand.posed(q).stiffness.cables
+        lengths = [bound.at(q).length for bound in alone(hand)]
+        np.testing.assert_allclose(cables.shift + cables.arms @ q, np.negative(lengths), rtol=1e-12)
 
 
 def test_friction_at_posts_of_several_branches_is_refused():

@@ -93,6 +93,7 @@ def test_a_load_acts_at_the_reference_point_of_the_object():
          "torque limits of joints that share springs"),
         (lambda: three(K={"finger_1_distal": np.inf} | {f"finger_{i}_{j}": 6.0 for i in (1, 2, 3)
                           for j in ("proximal", "distal") if (i, j) != (1, "distal")}), "is rigid"),
+        (lambda: three(K=hl.Tendons({"pull": {"finger_1_proximal": 0.01}}, 2e4, 4.0, friction=0.1)), "rub on .*: pull"),
         (lambda: hl.example_hand("three_finger").at(np.zeros(6)).grasp([hl.Contact([0, 0, 0], [0, 0, 1])] * 3),
          "contacts given one by one"),
     ],

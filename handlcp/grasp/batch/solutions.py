@@ -16,7 +16,7 @@ from handlcp.check import Array, Bools, Ints, check_method_calls, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp.batch.first_stage import STATUSES, FirstStageAnswers, GraspBatch
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.model.mechanism import read_joints
+from handlcp.grasp.model.mechanism import evaluate_joints
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.grasp.solve.solve_spec import conclude_first_stage
@@ -89,7 +89,7 @@ def make_arrays(
             own = whole[: 3 * n].reshape(-1, 3)
             if spec.mechanism is not None:
                 torsion = scene.scatter_torsion(whole[3 * n :]) if scene.soft else None
-                torque = read_joints(spec.mechanism, scene, spec.effects, own, torsion, {}).torque
+                torque = evaluate_joints(spec.mechanism, scene, spec.effects, own, torsion, {}).torque
             write(k, own, torque)
     return BatchArrays(counts, joints, *map(read_only, (forces, displacement, torques, utilisation)))
 

@@ -21,7 +21,7 @@ from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness, LoadedJoints
 from handlcp.grasp.effects.joint_offset import commanded_offset
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
-from handlcp.grasp.model.mechanism import JointReading, Mechanism, read_joints
+from handlcp.grasp.model.mechanism import JointReading, Mechanism, evaluate_joints
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene, wrench_map
 from handlcp.grasp.verify.certifier import FrictionLimits, friction_limits, limits_at_answer
@@ -146,7 +146,7 @@ class LinearisationPoint:
     @lazy_property
     def joints(self) -> JointReading:
         """Torques [N·m] and deflections [rad] of the joints."""
-        return read_joints(self.mechanism, self.scene, self.spec.effects, self.forces, self.torsion, self.extra)
+        return evaluate_joints(self.mechanism, self.scene, self.spec.effects, self.forces, self.torsion, self.extra)
 
     @lazy_property
     def command(self) -> Array:
@@ -363,7 +363,7 @@ def _law_values(answer: LinearisationPoint, spec: GraspSpec) -> Array:
     mu, torque = scene.friction_coefficients(answer.section), np.zeros(0)
     if spec.mechanism is not None:
         others = tuple([e for e in effects if not isinstance(e, TorqueSaturation)])
-        torque = read_joints(spec.mechanism, scene, others, answer.forces, answer.torsion, answer.extra).torque
+        torque = evaluate_joints(spec.mechanism, scene, others, answer.forces, answer.torsion, answer.extra).torque
     v = _motions(answer, scene, tuple(effects), G)
     if spec.planar:
         v[1 : 3 * scene.n : 3] = 0.0

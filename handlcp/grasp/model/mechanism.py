@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-import scipy
 
-from handlcp.check import Array, Ints, read_only
-from handlcp.lcp.kernels.dense import kernel
+from handlcp.check import Array, Bools, Ints, read_only
+from handlcp.lcp.kernels.dense import add_transposed, bounded_least_squares, kernel, solve_least_squares
 
-_COST_TOLERANCE = 1e-14  # of the cost
+_EPS = float(np.finfo(float).eps)
 _TORQUE_WEIGHT = 1e6  # that tensions make the torques weighs so many times as much as that they are small
 _TORQUE_SHARE = 1e-6  # of the torques: tensions that miss them by less make them
 
@@ -37,8 +36,7 @@ class Cables(NamedTuple):
         [m]; 0 of others.
     elasticity_at : from joints at q (nv,) to the tendons there and the root of the joints' compliance with them, as in
         `Elasticity`; None: arms stay.
-    moment_arm_stiffness : from tensions T (t,) to Σ T ∂R/∂q (nv, nv) in this posture [N·m/rad], by which the tendons
-        pull harder as joints move; None: 0.
+    arm_rates : gives ∂R/∂q (t, nv, nv) in this posture [m/rad²], by which tendons pull harder as joints move; None: 0.
     wrapped_bodies (b,) : round bodies that they pass, in words.
     wrap_sides (b, 3) : on which side of each, a unit vector in the axes of its link.
     """
@@ -55,7 +53,7 @@ class Cables(NamedTuple):
     arms_beyond: Array
     shift: Array
     elasticity_at: Callable[[Array], tuple[Cables, Array]] | None = None
-    moment_arm_stiffness: Callable[[Array], Array] | None = None
+    arm_rates: Callable[[], Array] | None = None
     wrapped_bodies: tuple[str, ...] = ()
     wrap_sides: Array = NO_WRAP_SIDES
 
@@ -75,19 +73,7 @@ class Cables(NamedTuple):
         """(t,) t [N] that make torques Rᵀ (t - T₀) (nv,) [N·m] with the least pull beyond T₀: none is let go below T₀
         where the others can do without, and none below 0. Of tendons without a known T₀, how much harder they pull.
         """
-        begun, more = self.initial_tension, np.asarray(np.linalg.lstsq(self.arms.T, torque)[0])
-        known = np.isfinite(self.pretension)
-        if (more >= 0.0)[known].all():
-            return begun + more
-        size = float(abs(self.arms).max())
-        rows = np.vstack([_TORQUE_WEIGHT * self.arms.T / size, np.eye(len(known))])
-        asked = np.append(_TORQUE_WEIGHT * torque / size, np.zeros(len(known)))
-        for least in (np.zeros(len(known)), -begun):
-            bounds = np.where(known, least, -np.inf), np.inf
-            more = scipy.optimize.lsq_linear(rows, asked, bounds, "bvls", _COST_TOLERANCE).x
-            if abs(self.arms.T @ more - torque).max() <= _TORQUE_SHARE * abs(torque).max():
-                break
-        return np.where(known, np.maximum(begun + more, 0.0), more)
+        return least_tensions(self.arms, self.initial_tension, np.isfinite(self.pretension), torque)
 
     def crossed_body(self, a: Array, b: Array) -> str:
         """The first round body, in words, that a tendon passes on one side with joints at a (nv,) and on the other at b
@@ -107,6 +93,53 @@ class Cables(NamedTuple):
     def unmade_torque(self, torque: Array) -> Array:
         """(nv,) the part of torques (nv,) [N·m] that no tensions make."""
         return np.asarray(torque - self.arms.T @ (self.tensions(torque) - self.initial_tension))
+
+
+class TendonArms(NamedTuple):
+    """What of `Cables` changes with the posture, as compiled code reads it: arms (t, nv), shift (t,), wrap_friction
+    (m,) and arms_beyond (m, nv).
+    """
+
+    arms: Array
+    shift: Array
+    wrap_friction: Array
+    arms_beyond: Array
+
+
+@kernel
+def least_tensions(arms: Array, initial: Array, known: Bools, torque: Array) -> Array:
+    """(t,) t [N] that make torques Rᵀ (t - T₀) (nv,) [N·m] with the least pull beyond T₀, as `Cables.tensions` has it.
+
+    arms (t, nv) : R. initial (t,) : T₀ [N], 0 where it is not known. known (t,) : whether it is.
+    """
+    t, nv = arms.shape
+    if t == 0:
+        return np.zeros(0)
+    more, lacks, longest = solve_least_squares(arms.T.copy(), torque, _EPS * max(t, nv)), False, 0.0
+    for i in range(t):
+        lacks = lacks or (known[i] and more[i] < 0.0)
+        for j in range(nv):
+            longest = max(longest, abs(arms[i, j]))
+    rows, asked, least = np.zeros((nv + t, t)), np.zeros(nv + t), np.zeros(t)
+    for j in range(nv):
+        asked[j] = _TORQUE_WEIGHT / longest * torque[j]
+        for i in range(t):
+            rows[j, i], rows[nv + i, i] = _TORQUE_WEIGHT / longest * arms[i, j], 1.0
+    for attempt in range(2 if lacks else 0):
+        if attempt == 1:
+            least = -initial
+        more = bounded_least_squares(rows, asked, least, known)
+        missed, largest, left = 0.0, 0.0, torque.copy()
+        add_transposed(arms, more, -1.0, left)
+        for j in range(nv):
+            missed, largest = max(missed, abs(left[j])), max(largest, abs(torque[j]))
+        if missed <= _TORQUE_SHARE * largest:
+            break
+    for i in range(t):
+        more[i] += initial[i]
+        if lacks and known[i]:
+            more[i] = max(more[i], 0.0)
+    return more
 
 
 # ----------------------------------------------------------------
@@ -240,7 +273,7 @@ class Mechanism:
         raise NotImplementedError
 
 
-def read_joints(
+def evaluate_joints(
     mechanism: Mechanism, scene: Any, effects: Any, forces: Array, torsion: Array | None, extra: dict[str, Array]
 ) -> JointReading:
     """What the joints do at an answer; arguments as in `Mechanism.solution_fields`."""

@@ -20,13 +20,17 @@ class Task(NamedTuple):
 
 
 class Pull(NamedTuple):
-    """What joints, posts and tendons do in a state. does : as `Joints` has it. posts (m,) : f [N]. drawn (t,) : d [N].
-    tension (t,) : with which tendons pull [N], how much harder than at first where it is not known how hard that was.
-    taut (t,) : the same as springs that could push, a.
+    """What joints, posts and tendons do in a state.
+
+    modes : (nv + m + t,) of joints and posts 0 where they stick, ±1 the way they slip; of tendons 1 where slack.
+    post_friction : (m,) what each post takes of its tendon's tension [N].
+    drawn : (t,) d, how far tendons are drawn in times their stiffness [N].
+    tension : (t,) with which they pull [N], how much harder than at first where it is not known how hard that was.
+    taut : (t,) the same of springs that could push, a [N].
     """
 
-    does: Ints
-    posts: Array
+    modes: Ints
+    post_friction: Array
     drawn: Array
     tension: Array
     taut: Array

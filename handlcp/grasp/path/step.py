@@ -204,7 +204,7 @@ class Stepper:
         if self.joints is not None:
             none_yet = self.joints.still
             task = Task(under.commanded, first.at.q, None)
-            pull = self.joints.at(first.at.q).pull(none_yet.does, none_yet.posts, task, first.at.q)
+            pull = self.joints.at(first.at.q).pull(none_yet.modes, none_yet.post_friction, task, first.at.q)
         springs = self.spring_torque(first.at.q)
         read = Read(none, none, none[:, 0], none[:, 0], springs, still, springs)
         return self._unloaded(first, loads, read, controls, still, pull)
@@ -578,7 +578,7 @@ def _joints(spec: GraspSpec, geometry: Geometry, compliance_factor: Array) -> Jo
         return None
     cables = mechanism.joint_model.cables
     if cables is not None and not geometry.follows:  # joints are measured from the posture, and arms are those there
-        cables = cables._replace(shift=np.zeros(len(cables.names)), elasticity_at=None, moment_arm_stiffness=None)
+        cables = cables._replace(shift=np.zeros(len(cables.names)), elasticity_at=None, arm_rates=None)
     return Joints(compliance_factor, mechanism.joint_model.dry_friction, cables, geometry.posture)
 
 

@@ -19,7 +19,7 @@ from handlcp.contact.friction import Cone, Pyramid, limit_set
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
 from handlcp.grasp.failure.reason import format_span
-from handlcp.grasp.model.mechanism import read_joints
+from handlcp.grasp.model.mechanism import evaluate_joints
 from handlcp.grasp.model.status import SEPARATED, SLIDING, contact_statuses
 from handlcp.grasp.solution.state_family import (
     FactorRanges,
@@ -357,7 +357,9 @@ def _torque_rows(s: Any) -> Array:
 
     def torque(components: Array) -> Array:
         moments = scene.scatter_torsion(components[3 * n :]) if soft else None
-        return np.asarray(read_joints(mechanism, scene, effects, components[: 3 * n].reshape(n, 3), moments, {}).torque)
+        return np.asarray(
+            evaluate_joints(mechanism, scene, effects, components[: 3 * n].reshape(n, 3), moments, {}).torque
+        )
 
     still = torque(np.zeros(c))
     return np.array([torque(unit) - still for unit in np.eye(c)]).T

@@ -7,7 +7,7 @@ from typing import Any, TypeVar, cast
 
 import numpy as np
 
-from handlcp.check import Array, Ints
+from handlcp.check import Array, Bools, Ints
 from handlcp.lcp.compiler.kernel import Kernel
 
 # ----------------------------------------------------------------
@@ -27,6 +27,7 @@ def kernel(function: F) -> F:
 
 # A pivot this share of its column's largest entry will do: growth stays small, and rows keep their zeros
 _PIVOT_SHARE = 0.1
+_EPS = float(np.finfo(float).eps)
 
 
 @kernel
@@ -69,6 +70,100 @@ def product(A: Array, B: Array) -> Array:
                 for j in range(len(row)):
                     row[j] += a * other[j]
     return out
+
+
+@kernel
+def add_product(A: Array, x: Array, times: float, out: Array) -> None:
+    """Add times A x to out (m,); A (m, n)."""
+    for i in range(len(out)):
+        total = 0.0
+        for j in range(len(x)):
+            total += A[i, j] * x[j]
+        out[i] += times * total
+
+
+@kernel
+def add_transposed(A: Array, x: Array, times: float, out: Array) -> None:
+    """Add times Aᵀ x to out (n,); A (m, n)."""
+    for i in range(len(x)):
+        if x[i] != 0.0:
+            for j in range(len(out)):
+                out[j] += times * x[i] * A[i, j]
+
+
+@kernel
+def solve_least_squares(A: Array, b: Array, rank_tolerance: float) -> Array:
+    """(n,) the shortest x of those with the smallest |A x - b|; A (m, n). Singular values below this share of the
+    largest count as zero.
+    """
+    return np.linalg.lstsq(A, b, rank_tolerance)[0].astype(np.float64)
+
+
+@kernel
+def inverse_root(K: Array, A: Array) -> bool:
+    """Write L⁻ᵀ of K = L Lᵀ (n, n) into A (n, n), of zeros; False where K is not positive definite."""
+    n = len(K)
+    L = np.zeros((n, n))
+    for i in range(n):
+        for j in range(i + 1):
+            left = K[i, j]
+            for k in range(j):
+                left -= L[i, k] * L[j, k]
+            if i > j:
+                L[i, j] = left / L[j, j]
+            elif left > 0.0:
+                L[i, i] = np.sqrt(left)
+            else:
+                return False
+    for j in range(n):
+        A[j, j] = 1.0 / L[j, j]
+        for i in range(j + 1, n):
+            for k in range(j, i):
+                A[j, i] -= L[i, k] * A[j, k]
+            A[j, i] /= L[i, i]
+    return True
+
+
+@kernel
+def bounded_least_squares(A: Array, b: Array, least: Array, bounded: Bools) -> Array:
+    """(n,) x of the smallest |A x - b| with x ≥ least where it is bounded; A (m, n) of full rank. Active sets: Lawson
+    and Hanson, Solving Least Squares Problems (1974), chapter 23.
+    """
+    n, best, free, tried, x = A.shape[1], -1, ~bounded, np.zeros(A.shape[1], np.bool_), np.zeros(A.shape[1])
+    for i in range(n):
+        x[i] = least[i] if bounded[i] else 0.0
+    for _ in range(10 * n + 10):
+        hit = 0
+        while hit >= 0:  # on to the least of the free ones, or to the first bound on the way there
+            chosen, left, share = np.flatnonzero(free), b.copy(), 1.0
+            columns = np.empty((len(b), len(chosen)))
+            add_product(A, x, -1.0, left)
+            for k in range(len(chosen)):
+                for i in range(len(b)):
+                    columns[i, k] = A[i, chosen[k]]
+            way, hit = np.zeros(0), -1
+            if len(chosen) > 0:
+                way = solve_least_squares(columns, left, _EPS * len(b))
+            for k in range(len(chosen)):
+                i = chosen[k]
+                if bounded[i] and x[i] + way[k] < least[i] and (x[i] - least[i]) / -way[k] <= share:
+                    share, hit = (x[i] - least[i]) / -way[k], i
+            for k in range(len(chosen)):
+                x[chosen[k]] += share * way[k]
+            if hit >= 0:
+                x[hit], free[hit] = least[hit], False
+        if best >= 0 and free[best]:
+            tried[:] = False
+        slope, left, best = np.zeros(n), b.copy(), -1
+        add_product(A, x, -1.0, left)
+        add_transposed(A, left, 1.0, slope)
+        for i in range(n):
+            if not free[i] and not tried[i] and slope[i] > 0.0 and (best < 0 or slope[i] > slope[best]):
+                best = i
+        if best < 0:
+            break
+        free[best] = tried[best] = True
+    return x
 
 
 @kernel
