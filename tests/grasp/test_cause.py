@@ -9,7 +9,6 @@ from handlcp.grasp.failure.failure_mode import (
     StateLimits,
     find_binding,
     find_exceeded,
-    find_slide_through,
     find_slipping,
     is_exceeded,
     limit_shares,
@@ -122,8 +121,6 @@ def test_contacts_give_way_by_opening_or_else_by_slipping_or_else_balance_does()
     assert find_slipping(NAMES, (slide, open_), (slide, open_)) == (FailureMode("slips", "thumb"),)
     assert find_slipping(NAMES, (stick, stick), (slide, stick)) == (FailureMode("slips", "thumb"),)
     assert find_slipping(NAMES, (stick, open_)) == (FailureMode("equilibrium", "the object"),)
-    assert find_slide_through((slide, open_)) == (FailureMode("slides through", "the object"),)
-    assert find_slide_through((slide, stick)) == find_slide_through((open_, open_)) == ()
 
 
 # ---------------------------------------------------------------- words

@@ -15,17 +15,15 @@ from handlcp.contact.friction import Pyramid, Section
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.solve_to_accuracy import attach_advice
 from handlcp.grasp.assembly.scene_builder import build_scene
-from handlcp.grasp.batch.first_stage import (
-    BatchMembers,
-    FirstStageAnswers,
+from handlcp.grasp.batch.grasp_batch import (
     GraspBatch,
+    Shard,
+    ShardAnswers,
     answers_in_threads,
     batch_of,
     group_by_kind,
     pack_shard,
     solve_parcel,
-    split_members,
-    split_settled,
 )
 from handlcp.grasp.batch.solutions import Solutions
 from handlcp.grasp.batch.worker_pool import worker_pool
@@ -33,7 +31,7 @@ from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solution.solution import GraspSolution
-from handlcp.grasp.solve.compiled_answer import CompiledAnswer, get_compiled_kind
+from handlcp.grasp.solve.compiled_answer import CompiledAnswer, factor_to_eliminate, get_compiled_kind
 from handlcp.grasp.solve.solve_spec import solve_in_stages, solve_spec
 from handlcp.lcp import Auto, ContactSolver, Solver
 from handlcp.lcp.compiler.compile_policy import compile_in_background
@@ -114,7 +112,7 @@ class UnsolvedGrasps:
         spec, section, row = self.specs[k], self.sections[k], self.rows[k]
         if row is None:
             return solve_spec(spec, section, self.solver, scene=scene, proof=self.proof)
-        first = CompiledAnswer(get_compiled_kind(scene, section), row)
+        first = CompiledAnswer(get_compiled_kind(scene, section, factor_to_eliminate(scene)), row)
         return solve_in_stages(spec, scene, section, self.solver, proof=self.proof, first=first)
 
 
@@ -162,15 +160,15 @@ _MAX_SHARD_BYTES = 2**22  # bytes of a shard in the first stage, most: Dask warn
 _MAX_BYTES_SENT = 2**28  # bytes of shards on their way: a batch of any size needs no more memory than that
 
 
-FoundSolutions = Iterator[FirstStageAnswers | SingleSolution]
+FoundSolutions = Iterator[ShardAnswers | SingleSolution]
 
 
 def solve_on_cores(batch: GraspBatch, workers: int) -> FoundSolutions:
     """What is found, as it comes: the first stage in threads, then what it left, in processes where that takes long."""
-    kinds, left = group_by_kind(batch)
+    shards, left = group_by_kind(batch)
     rows: dict[int, Array] = {}
-    for answers in answers_in_threads(batch, kinds, workers):
-        kept, lost = split_settled(answers, batch.proof)
+    for answers in answers_in_threads(batch, shards, workers):
+        kept, lost = answers.split_settled(batch.proof)
         rows |= lost
         if len(kept.at):
             yield kept
@@ -203,15 +201,15 @@ def _with_processes(
 
 def solve_on_executor(batch: GraspBatch, executor: Executor) -> FoundSolutions:
     """What is found, as it comes, all of it on the executor: what a shard leaves goes there again, in smaller ones."""
-    kinds, left = group_by_kind(batch)
+    shards, left = group_by_kind(batch)
     rows: dict[int, Array] = {}
     share = -(-len(batch) // _MIN_SHARDS)
     most = min(_FIRST_SHARD_GRASPS[1], max(_FIRST_SHARD_GRASPS[0], share))
-    first = deque[BatchMembers]()
-    for own in kinds:
-        first += split_members([own], min(most, _MAX_SHARD_BYTES // (8 * own.kind.scene_width)))
+    first = deque[Shard]()
+    for own in shards:
+        first += own.split(max(1, min(most, _MAX_SHARD_BYTES // (8 * own.kind.width))))
     later = deque(_split(left, share))
-    with ExecutorJobs[BatchMembers | list[int]](executor) as jobs:
+    with ExecutorJobs[Shard | list[int]](executor) as jobs:
         while first or later or len(jobs):
             while (first or later) and jobs.size < _MAX_BYTES_SENT:
                 if later:
@@ -221,8 +219,9 @@ def solve_on_executor(batch: GraspBatch, executor: Executor) -> FoundSolutions:
                     cargo = pack_shard(batch, shard := first.popleft())
                     jobs.send(shard, solve_parcel, cargo, cargo.size)
             for job, result in jobs.finished_results(wait=True):
-                if isinstance(job, BatchMembers):
-                    kept, lost = split_settled(FirstStageAnswers(*job, result), batch.proof)
+                if isinstance(job, Shard):
+                    answers = ShardAnswers(job.at, CompiledAnswer(job.kind, result))
+                    kept, lost = answers.split_settled(batch.proof)
                     rows |= lost
                     later.extend(_split(list(lost), share))
                     if len(kept.at):
@@ -278,7 +277,7 @@ def solve_many(
     if executor is not None and workers is not None:
         raise InputError("workers", "None beside an executor, which has its own", workers)
     count = check_workers(workers)
-    answers: list[FirstStageAnswers] = []
+    answers: list[ShardAnswers] = []
     singles: dict[int, GraspSolution] = {}
     with track_progress("grasps", len(batch), progress) as say, compile_in_background(len(batch)):
         for found in solve_on_cores(batch, count) if executor is None else solve_on_executor(batch, executor):

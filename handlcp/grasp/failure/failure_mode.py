@@ -13,7 +13,7 @@ from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
 from handlcp.grasp.model.mechanism import Cables, Mechanism
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, ContactStatus
+from handlcp.grasp.model.status import SEPARATED, SLIDING, ContactStatus
 from handlcp.record import Record
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
@@ -210,11 +210,6 @@ def find_slipping(
     every = zip(names, kinds if before is None else before, kinds, strict=True)
     sliding = [name for name, a, b in every if SLIDING in (a, b)]
     return tuple([FailureMode(SLIPS, name) for name in sliding]) or (FailureMode(EQUILIBRIUM, OBJECT),)
-
-
-def find_slide_through(kinds: Sequence[ContactStatus]) -> tuple[FailureMode, ...]:
-    """That the object slides through, where contacts press and none of them sticks; else ()."""
-    return (FailureMode(SLIDES, OBJECT),) if SLIDING in kinds and STICKING not in kinds else ()
 
 
 def largest_share_index(share: Array) -> int:
