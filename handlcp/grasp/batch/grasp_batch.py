@@ -93,15 +93,12 @@ class ShardAnswers(NamedTuple):
         solved, none, other = map(STATUSES.index, (Status.SOLVED, Status.NOT_HOLDABLE, Status.UNDECIDED))
         return np.where(self.found.passes, solved, np.where(self.found.escapes, none, other))
 
-    def split_settled(self, proof: bool) -> tuple[ShardAnswers, dict[int, Array]]:
-        """What the first solve settles, everything where no further proof is asked for; and the rows of the others by
-        their places, where later stages go on.
+    def split_settled(self, proof: bool) -> tuple[ShardAnswers, list[int]]:
+        """What the first solve settles, everything where no further proof is asked for; and the places of the others,
+        which later stages solve.
         """
         good = self.found.passes | self.found.escapes | (not proof)
-        if good.all():
-            return self, {}
-        lost = dict(zip(self.at[~good].tolist(), self.found.rows[~good], strict=True))
-        return ShardAnswers(self.at[good], self.found[good]), lost
+        return (self, []) if good.all() else (ShardAnswers(self.at[good], self.found[good]), self.at[~good].tolist())
 
 
 def group_by_kind(batch: GraspBatch) -> tuple[list[Shard], list[int]]:
@@ -193,5 +190,5 @@ def solve_parcel(parcel: SceneParcel) -> Array:
     numbers = np.tile(parcel.first, (len(parcel.values), 1))
     numbers[:, parcel.varying] = parcel.values
     # Kernels are compiled for arrays that are aligned, which on its way is lost
-    p = ScenePattern(*[a.copy() if isinstance(a, np.ndarray) else a for a in parcel.pattern])
+    p = ScenePattern._make([a.copy() if isinstance(a, np.ndarray) else a for a in parcel.pattern])
     return solve_scenes(numbers, p, NO_START, parcel.seed)
