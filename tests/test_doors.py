@@ -57,7 +57,7 @@ def test_the_second_opinion_shares_nothing_with_what_it_judges(name):
 @pytest.mark.parametrize(
     "source",
     ["from handlcp.hand import _needed", "import handlcp as hl\nhl.grasp._placed()", "grasp._placed()",
-     "patch('handlcp.grasp.batch.first_stage._GRASPS_PER_TASK')"],
+     "patch('handlcp.grasp.batch.grasp_batch._GRASPS_PER_TASK')"],
 )  # fmt: skip
 def test_each_private_use_is_seen(source):
     assert private_uses(source)

@@ -19,7 +19,17 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.lcp.kernels.contact_newton import ContactArrays, Subgradient, evaluate_rows, new_subgradient
+from handlcp.lcp.kernels.contact_newton import (
+    BALL_TOLERANCE,
+    LINE_SEARCH_MEMORY,
+    MAX_BALL_STEPS,
+    MAX_NEWTON_STEPS,
+    MIN_STEP_LENGTH,
+    ContactArrays,
+    Subgradient,
+    evaluate_rows,
+    new_subgradient,
+)
 from handlcp.lcp.kernels.dense import kernel, solve_ranked, solve_wide
 from handlcp.tolerances import SOLVE_TOLERANCE
 
@@ -244,11 +254,7 @@ def tangent_stiffness_blocks(p: LinkedContacts, r: Array, z: Array) -> tuple[boo
 # Newton's method contact by contact, and what leads there: contacts that all stick, then proximal steps.
 
 
-_LINE_SEARCH_MEMORY = 8  # steps over which ‖F‖ may rise, as in `solve_contacts`
-_MIN_STEP_LENGTH = 2e-2  # step length below which the line search takes what it has
 _ADMM_RELAXATION = 1.6  # over-relaxation of ADMM
-# Newton's steps, and those on the ball in place of a polygon, as in `solve_contacts`
-_MAX_BALL_STEPS, _BALL_TOLERANCE, _MAX_NEWTON_STEPS = 8, 1e-2, 12
 # Proximal steps before Newton's method is tried again: of 20 grasps that it fails on at first, ten were enough for 19.
 # Each is a linear solve as Newton's are, and they are counted as such.
 _PROXIMAL_ROUNDS, _PROXIMAL_WEIGHT = (10, 20, 70), 10.0
@@ -291,9 +297,9 @@ def _run_newton(p: LinkedContacts, r: Array, z: Array, cold: bool) -> tuple[int,
     if cold and own.faces > 2:
         ball = ContactArrays(own.M, own.q, own.role, own.rho, own.blocks, own.limits, 0, own.normals)
         before, _ = newton_blocks(
-            LinkedContacts(p.P, p.W, p.R, p.d, p.S, p.w, ball, p.least), r, z, _MAX_BALL_STEPS, _BALL_TOLERANCE
+            LinkedContacts(p.P, p.W, p.R, p.d, p.S, p.w, ball, p.least), r, z, MAX_BALL_STEPS, BALL_TOLERANCE
         )
-    steps, residual = newton_blocks(p, r, z, _MAX_NEWTON_STEPS, SOLVE_TOLERANCE * 1e-2)
+    steps, residual = newton_blocks(p, r, z, MAX_NEWTON_STEPS, SOLVE_TOLERANCE * 1e-2)
     return before + steps, residual
 
 
@@ -340,7 +346,7 @@ def newton_blocks(p: LinkedContacts, r: Array, z: Array, steps: int, tolerance: 
     if relative <= tolerance:
         return 0, relative
     split = LawRows(np.empty((n3 // 3, 3, 3)), np.empty((n3 // 3, 3, 3)))
-    dr, dz, r1, z1, recent = np.empty(n3), np.empty(m), np.empty(n3), np.empty(m), np.zeros(_LINE_SEARCH_MEMORY)
+    dr, dz, r1, z1, recent = np.empty(n3), np.empty(m), np.empty(n3), np.empty(m), np.zeros(LINE_SEARCH_MEMORY)
     for step in range(steps + 1):
         relative = np.sqrt(total) / _unknown_size(r, z)
         if not total < np.inf:
@@ -349,7 +355,7 @@ def newton_blocks(p: LinkedContacts, r: Array, z: Array, steps: int, tolerance: 
             return step, relative
         write_law_rows(p, g, split)
         eliminate_contacts(p, split, F, core, dr, dz)
-        recent[step % _LINE_SEARCH_MEMORY] = total
+        recent[step % LINE_SEARCH_MEMORY] = total
         ceiling, t = np.max(recent), 1.0
         while True:
             for k in range(n3):
@@ -357,7 +363,7 @@ def newton_blocks(p: LinkedContacts, r: Array, z: Array, steps: int, tolerance: 
             for j in range(m):
                 z1[j] = z[j] - t * dz[j]
             total = write_motions(p, r1, z1, y, core) + evaluate_rows(p.own, r1, y, F, g)
-            if total <= (1.0 - 1e-4 * t) * ceiling or t < _MIN_STEP_LENGTH:
+            if total <= (1.0 - 1e-4 * t) * ceiling or t < MIN_STEP_LENGTH:
                 break
             t *= 0.5
         r[:] = r1

@@ -22,8 +22,8 @@ from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.request import wrench_about
 from handlcp.grasp.model.status import UNKNOWN, contact_words
 from handlcp.grasp.solution.solution import GraspSolution
-from handlcp.grasp.solve.compiled_answer import CompiledAnswer, get_compiled_kind, start_values
-from handlcp.grasp.solve.compiled_solve import scene_views, solve_scenes, write_row
+from handlcp.grasp.solve.compiled_answer import CompiledAnswer, get_compiled_kind, scene_views, start_values, write_row
+from handlcp.grasp.solve.compiled_solve import NEWTON_STEPS, solve_scenes
 from handlcp.grasp.verify.certifier import Residuals, forces_in_world
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.mechanism import HandMechanism
@@ -61,7 +61,7 @@ class GraspUpdate:
     @property
     def steps(self) -> int:
         """Newton steps taken; 0: the last answer's contact states hold still, or all contacts stick."""
-        return int(self._found.row[1])
+        return int(self._found.rows[NEWTON_STEPS])
 
     @property
     def forces(self) -> Array:
@@ -214,11 +214,11 @@ class GraspStream:
         self._section = as_section(faces, planar=spec.planar)
         self._kind, self._start = get_compiled_kind(scene, self._section), start_values(start, scene)
         self._anew = self._start
-        self._numbers = np.empty((1, self._kind.scene_width))
-        write_row(scene, self._section, self._numbers[0])
+        self._numbers = np.empty((1, self._kind.width))
+        write_row(scene, self._section, None, self._numbers[0])
         self._scene = read_only(self._numbers.view())
-        n, k = spec.n, spec.of_hand
-        g, _ = scene_views(self._numbers[0], n, 0, scene.dof)  # views: what is written there is what is solved
+        k = spec.of_hand
+        g = scene_views(self._numbers[0], self._kind.pattern)  # views: what is written there is what is solved
         self._positions, self._frames, self._flexibility, self._offset = g.positions, g.frames, g.flexibility, g.offset
         self._force, self._moment = g.force, g.moment
         self._tips, self._axes = self._positions[:k], self._frames[:k]
@@ -294,13 +294,12 @@ class GraspStream:
         _ = GraspUpdate(self._first, found, True, self._frames.copy(), None).forces_world
 
     def _find_answer(self) -> CompiledAnswer:
-        rows = np.empty((1, self._kind.answer_width))
-        solve_scenes(self._scene, self._kind.pattern, self._start, self._seed, rows)
+        rows = solve_scenes(self._scene, self._kind.pattern, self._start, self._seed)
         return CompiledAnswer(self._kind, rows[0])
 
     def _solve_update(self) -> GraspUpdate:
         found = self._find_answer()
-        passes = found.passes
+        passes = bool(found.passes)
         self._start = found.next_start if passes else self._anew
         torques = None
         if self._hand is not None:

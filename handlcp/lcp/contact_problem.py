@@ -1,8 +1,4 @@
-"""`ContactProblem`: frictional contact in natural units, packed as two rows of numbers, and solved in one call.
-
-Every array of a tuple that Python hands to compiled code is looked at by itself: for `ContactArrays` that takes longer
-than one of Newton's steps, for two rows hardly anything.
-"""
+"""`ContactProblem`: frictional contact in natural units, as solvers take it, and as an LCP with a multiplier a face."""
 
 from __future__ import annotations
 
@@ -15,69 +11,10 @@ import scipy
 
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.lazy_property import lazy_property
-from handlcp.lcp.kernels.contact_newton import ContactArrays, reorder_problem, solve_contacts, solve_sticking
+from handlcp.lcp.kernels.contact_newton import ContactArrays, reorder_problem
 from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.lcp.problem import LCP, ScaledLCP, Units
 from handlcp.tolerances import MIN_ELIMINATION_RCOND
-
-
-@kernel
-def pack_problem(
-    M: Array, q: Array, role: Ints, blocks: Ints, order: Ints, limits: Array, faces: int, normals: Array
-) -> tuple[Array, Ints]:
-    """(numbers, whole numbers) of the problem with its unknowns in this order: M, q, ρ, limits and normals, one after
-    the other; how many unknowns and blocks there are, faces, then order, roles and blocks.
-    """
-    p, n, k = reorder_problem(M, q, role, blocks, order, limits, faces, normals), len(q), len(blocks)
-    numbers, whole = np.empty(n * n + 2 * n + k + normals.size), np.empty(3 + 2 * n + 4 * k, np.int64)
-    at = 0
-    for part in (p.M.reshape(-1), p.q, p.rho, p.limits, np.ascontiguousarray(normals).reshape(-1)):
-        numbers[at : at + len(part)] = part
-        at += len(part)
-    whole[0], whole[1], whole[2] = n, k, faces
-    whole[3 : 3 + n], whole[3 + n : 3 + 2 * n], whole[3 + 2 * n :] = order, p.role, p.blocks.reshape(-1)
-    return numbers, whole
-
-
-@kernel
-def unpack_problem(numbers: Array, whole: Ints) -> ContactArrays:
-    """The problem, as views of its numbers."""
-    n, k = whole[0], whole[1]
-    a = n * n
-    b = a + n
-    c = b + n
-    d = c + k
-    M, normals = numbers[:a].reshape(n, n), numbers[d:].reshape((len(numbers) - d) // 3, 3)
-    role, blocks = whole[3 + n : 3 + 2 * n], whole[3 + 2 * n :].reshape(k, 4)
-    return ContactArrays(M, numbers[a:b], role, numbers[b:c], blocks, numbers[c:d], whole[2], normals)
-
-
-@kernel
-def solve_packed(
-    numbers: Array, whole: Ints, x: Array, cold: bool, seed: int, most: int, polish: bool, tolerance: float
-) -> tuple[int, int, float]:
-    """`solve_contacts` on x (n,) in the problem's own order."""
-    n = len(x)
-    order, y = whole[3 : 3 + n], np.empty(n)
-    for i in range(n):
-        y[i] = 0.0 if cold else x[order[i]]
-    taken, newton, r = solve_contacts(unpack_problem(numbers, whole), y, cold, seed, most, polish, tolerance)
-    for i in range(n):
-        x[order[i]] = y[i]
-    return taken, newton, r
-
-
-@kernel
-def solve_sticking_packed(numbers: Array, whole: Ints, apart: Bools, slippery: Bools, x: Array) -> None:
-    """`solve_sticking`, with apart and x (n,) in the problem's own order."""
-    n = len(x)
-    order, y, open_ = whole[3 : 3 + n], np.empty(n), np.empty(n, np.bool_)
-    for i in range(n):
-        open_[i] = apart[order[i]]
-    solve_sticking(unpack_problem(numbers, whole), open_, slippery, y)
-    for i in range(n):
-        x[order[i]] = y[i]
-
 
 # ----------------------------------------------------------------
 # Frictional contact as a complementarity problem with friction as a set: its size does not depend on any faces.
@@ -160,10 +97,10 @@ class ContactProblem:
         return self._units if isinstance(self._units, Units) else self._units()
 
     @lazy_property
-    def packed_arrays(self) -> tuple[Array, Ints]:
-        """What kernels work on: the problem as two rows of numbers, as in `pack_problem`."""
+    def arrays(self) -> ContactArrays:
+        """What kernels work on: the problem with its unknowns in the order of its pattern."""
         s, p = self.sets, self.pattern
-        return pack_problem(self.M, self.q, p.role, p.blocks, p.order, s.limits, s.faces, s.normals)
+        return reorder_problem(self.M, self.q, p.role, p.blocks, p.order, s.limits, s.faces, s.normals)
 
     def with_numbers(self, M: Array, q: Array, limits: Array) -> ContactProblem:
         """Another problem with the same pattern."""
@@ -171,7 +108,7 @@ class ContactProblem:
 
     def complete(self) -> None:
         """Compute now what is otherwise computed when first asked for."""
-        self.packed_arrays, self.units  # noqa: B018
+        self.arrays, self.units  # noqa: B018
 
     def __repr__(self) -> str:
         kind = {0: "exact cone", 2: "planar"}.get(self.faces, f"{self.faces} faces")

@@ -11,7 +11,8 @@ import numpy as np
 
 from handlcp.check import Array, check_init_call, check_integer, check_number
 from handlcp.errors import InputError
-from handlcp.lcp.contact_problem import ContactProblem, solve_packed, solve_sticking_packed
+from handlcp.lcp.contact_problem import ContactProblem
+from handlcp.lcp.kernels.contact_newton import solve_contacts, solve_sticking
 from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.lcp.kernels.kaczmarz import PlainRows, Seeds, run_kaczmarz
 from handlcp.lcp.kernels.newton import polish_active_set, run_active_set, run_damped_newton, unknown_size
@@ -54,10 +55,11 @@ def solve_compiled(
     seed : of the row sampling. most : Kaczmarz steps at most; 0: Newton's alone, whose steps are then what counts as
     iterations. polish : Newton's method before and between them.
     """
-    numbers, whole = problem.packed_arrays
-    x = np.empty(problem.n) if start is None else np.array(start, dtype=float)
+    order, x = problem.pattern.order, np.empty(problem.n)
+    y = np.zeros(problem.n) if start is None else np.asarray(start, dtype=float)[order]
     aim = min(tolerance, SOLVE_TOLERANCE) * 1e-2 if polish else tolerance
-    steps, newton, r = solve_packed(numbers, whole, x, start is None, seed, most, polish, aim)
+    steps, newton, r = solve_contacts(problem.arrays, y, start is None, seed, most, polish, aim)
+    x[order] = y
     return Proposal(x, steps if most else newton, describe_outcome(r <= tolerance, steps, newton))
 
 
@@ -241,14 +243,15 @@ class OtherStarts:
 
     def propose_contact(self, problem: ContactProblem, start: Array | None = None) -> Proposal:
         """The first start that converges, else the last; a `start` (n,) is tried before all others."""
-        rng, (numbers, whole) = np.random.default_rng(self.seed), problem.packed_arrays
+        rng, order = np.random.default_rng(self.seed), problem.pattern.order
 
         def held_by_some(k: int) -> Array:
             # Every share of contacts apart is as likely as any other; in every second start nothing slips
             apart = rng.random(problem.n) < rng.random()
             slippery = rng.random(len(problem.blocks)) < (k % 2) * rng.random()
-            x = np.empty(problem.n)
-            solve_sticking_packed(numbers, whole, apart, slippery, x)
+            x, y = np.empty(problem.n), np.empty(problem.n)
+            solve_sticking(problem.arrays, apart[order], slippery, y)
+            x[order] = y
             return x
 
         newton = partial(solve_compiled, problem, 0, 0, True, FINE_SOLVE_TOLERANCE)

@@ -1,9 +1,8 @@
 """A batch on any executor has the answers of one process, and says what failed."""
 
 import os
-import pickle
 import signal
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 
@@ -11,22 +10,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.grasp.batches import QUICK, assert_same_bits, four, hand_grasp, mixture, sweep
+from tests.grasp.batches import QUICK, Later, assert_same_bits, four, hand_grasp, mixture, sweep
 from tests.support import patches
-
-
-class Later(Executor):
-    """Runs what it is given at once, through pickles, as a cluster would, and counts it."""
-
-    def __init__(self):
-        self.sent = []
-
-    def submit(self, run, /, *cargo):
-        future = Future()
-        self.sent.append(len(pickle.dumps((run, cargo))))
-        run, cargo = pickle.loads(pickle.dumps((run, cargo)))
-        future.set_result(pickle.loads(pickle.dumps(run(*cargo))))
-        return future
 
 
 @pytest.mark.parametrize("size", [1, 3, 1000])

@@ -6,10 +6,20 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.grasp.batches import QUICK, assert_same_bits, four, hand_grasp, mixture, soft_and_anisotropic, sweep
+from tests.grasp.batches import (
+    QUICK,
+    Later,
+    assert_same_bits,
+    four,
+    hand_grasp,
+    mixture,
+    soft_and_anisotropic,
+    sweep,
+)
 from tests.grasp.scenes import pinch
 from tests.support import patches
 from tests.support.grasp import arrays, packed
+from tests.support.power import STRONG, WEAK, power_grasp
 
 
 @pytest.mark.parametrize("workers", [1, 2, 5])
@@ -71,8 +81,24 @@ def test_without_a_proof_nothing_is_searched(workers, monkeypatch):
     assert not any("search" in line for s in many for line in s.trace)
 
 
+def test_grasps_of_many_contacts_are_solved_with_their_factor_in_a_batch_too():
+    """Given as a factor, found in a matrix, or neither: forces, states and steps of the solver are those of `solve`."""
+    grasps = [
+        power_grasp(12, 2, STRONG).factored(),
+        power_grasp(30, 0, WEAK).dense(),
+        power_grasp(12, 2, STRONG).dense(),
+    ]
+    grasps += [power_grasp(12, 3, STRONG).factored(), pinch()]
+    for executor in (None, Later()):
+        many = hl.solve_many(grasps, proof=False, executor=executor)
+        assert_same_bits(many, [g.solve(throw=False, proof=False) for g in grasps])
+    assert many.held.all()
+
+
 def test_many_scenes_are_packed_as_each_of_them_is():
-    for group in (mixture()[:1] * 3, [hand_grasp()], [mixture()[24]], soft_and_anisotropic()[:4]):
+    power = [power_grasp(12, seed, STRONG).factored() for seed in (2, 3)]
+    matrix = [power_grasp(30, 0, WEAK).dense()]
+    for group in (mixture()[:1] * 3, [hand_grasp()], [mixture()[24]], soft_and_anisotropic()[:4], power, matrix):
         one, all_ = packed(group, 8)
         np.testing.assert_array_equal(one, all_)
 

@@ -14,12 +14,10 @@ from handlcp.contact.friction import as_section, limit_set
 from handlcp.grasp.analysis import required_value as _required
 from handlcp.grasp.analysis.solve_to_accuracy import force_error
 from handlcp.grasp.assembly.problem import GraspContactProblem, SolverCandidate, asked_effects_with_rows, assemble
-from handlcp.grasp.batch.first_stage import scene_rows
 from handlcp.grasp.derivatives.parameter.contact import with_friction as _with_friction
 from handlcp.grasp.model import validate as _validate
 from handlcp.grasp.solution.diagnosis import DiagnosisText
 from handlcp.grasp.solve import compiled_answer as _first
-from handlcp.grasp.solve.compiled_solve import write_row
 from handlcp.grasp.solve.solve_spec import fixed_point_residual, is_force_dependent
 from handlcp.grasp.verify.certifier import certify_candidate
 from handlcp.lcp.kernels.projection import project_on_set as _nearest
@@ -132,11 +130,12 @@ def nearest_in_polygon(x, y, distance, faces):
 def packed(grasps, faces):
     """Grasps of one kind as rows for compiled code: each written by itself, and all at once."""
     scenes, cut = [g.scene for g in grasps], section_of(grasps[0], faces)
-    kind = _first.get_compiled_kind(scenes[0], cut)
-    rows = np.empty((len(scenes), kind.scene_width))
+    factor = _first.factor_to_eliminate(scenes[0])
+    kind = _first.get_compiled_kind(scenes[0], cut, factor)
+    rows = np.empty((len(scenes), kind.width))
     for scene, row in zip(scenes, rows, strict=True):
-        write_row(scene, cut, row)
-    return rows, scene_rows(scenes, kind, cut)
+        _first.write_row(scene, cut, _first.factor_to_eliminate(scene), row)
+    return rows, _first.scene_rows(scenes, kind, cut)
 
 
 # ---------------------------------------------------------------- the certifier

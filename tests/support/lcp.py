@@ -16,7 +16,7 @@ from handlcp.lcp import (
     lemke as _lemke,
 )
 from handlcp.lcp.certificate import certify_contact
-from handlcp.lcp.contact_problem import MultiplierLCP, unpack_problem as _opened
+from handlcp.lcp.contact_problem import MultiplierLCP
 from handlcp.lcp.kernels import contact_newton as _contact_newton, kaczmarz as _kaczmarz
 from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.projection import project_on_set as _nearest
@@ -98,7 +98,7 @@ def contact_rows(problem, x):
     """(F, J): the laws of a problem with friction as a set as equations at x (n,), and a subgradient (n, n) of them;
     both, and x, in the order in which the solvers have the unknowns.
     """
-    p, n = _opened(*problem.packed_arrays), problem.n
+    p, n = problem.arrays, problem.n
     F, g, y, J = np.empty(n), _contact_newton.new_subgradient(p), np.empty(n), np.empty((n, n))
     multiply_add(p.M, x, p.q, y)
     _contact_newton.evaluate_rows(p, x, y, F, g)

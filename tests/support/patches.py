@@ -28,7 +28,7 @@ def coarse_pictures(patch):
 # ---------------------------------------------------------------- many grasps
 def chunks_of(patch, count):
     """`solve_many` hands out so many grasps at a time."""
-    patch.setattr("handlcp.grasp.batch.first_stage._GRASPS_PER_TASK", count)
+    patch.setattr("handlcp.grasp.batch.grasp_batch._GRASPS_PER_TASK", count)
 
 
 def shards_of(patch, count):

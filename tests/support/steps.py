@@ -30,7 +30,7 @@ class ByHand:
 
     def scale(self):
         """Rows scaled."""
-        self.problem.packed_arrays  # noqa: B018
+        self.problem.arrays  # noqa: B018
 
     def solve(self, seed=None):
         """What NSNGRK proposes; as the first stage does it where a seed is given, as the chain does it elsewhere."""

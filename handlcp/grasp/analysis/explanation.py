@@ -292,7 +292,7 @@ def _make_timed_run(spec: GraspSpec, answered: Scene, section: Section, solution
         build_scene(spec)
         scene = replace(answered)  # anew: nothing is kept from the run before
         if not asked:
-            return solve_scene(scene, section, 0, start).passes
+            return bool(solve_scene(scene, section, 0, start).passes)
         problem = GraspContactProblem(scene, section, asked)
         begin = problem.natural(solution_candidate(scene, solution))
         return any(is_certified(problem, problem.candidate(p.z)) for _, p in proposals(problem, None, begin))

@@ -14,11 +14,10 @@ import numpy.typing as npt
 
 from handlcp.check import Array, Bools, Ints, check_method_calls, read_only
 from handlcp.errors import Unsupported
-from handlcp.grasp.batch.first_stage import STATUSES, FirstStageAnswers, GraspBatch
+from handlcp.grasp.batch.grasp_batch import STATUSES, GraspBatch, ShardAnswers
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.mechanism import evaluate_joints
 from handlcp.grasp.solution.solution import GraspSolution
-from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.grasp.solve.solve_spec import conclude_first_stage
 from handlcp.lazy_property import lazy_property
 from handlcp.lcp import Status
@@ -45,7 +44,7 @@ class BatchArrays(NamedTuple):
 
 def make_arrays(
     batch: GraspBatch,
-    answers: Sequence[FirstStageAnswers],
+    answers: Sequence[ShardAnswers],
     singles: dict[int, GraspSolution],
     look: Sequence[GraspSolution],
 ) -> BatchArrays:
@@ -69,23 +68,23 @@ def make_arrays(
             torques[k, :nv] = torque
             np.divide(abs(torque), mechanism.limits, out=utilisation[k, :nv])
 
-    free = [k for found in answers for k in found.at[found.is_certified & ~found.is_unique].tolist()]
+    free = [k for a in answers for k in a.at[a.found.passes & ~a.found.is_unique].tolist()]
     for k, solution in chain(singles.items(), ((k, look[k]) for k in free)):  # one at a time: a batch may be large
         if solution.held:
             write(k, solution.forces, getattr(solution, "torques", None))
             displacement[k] = solution.object_displacement
-    for found in answers:  # that leave nothing free
-        some = np.flatnonzero(found.is_unique)
-        at, n, kind = found.at[some], found.kind.scene_kind.n, found.kind
-        components, twist, centre = found.forces_and_twists(some)
-        forces[at, :n] = components[:, : 3 * n].reshape(-1, n, 3)
-        arm = np.array([grasps[k].spec.reference for k in at.tolist()]).reshape(-1, 3) - centre
-        displacement[at] = shift_twists(twist, arm)
-        for i, k in zip(some.tolist(), at.tolist(), strict=True):
+    for answer in answers:  # that leave nothing free
+        some = np.flatnonzero(answer.found.is_unique)
+        at, found = answer.at[some], answer.found[some]
+        n = found.kind.scene_kind.n
+        forces[at, :n] = found.components[:, : 3 * n].reshape(-1, n, 3)
+        arm = np.array([grasps[k].spec.reference for k in at.tolist()]).reshape(-1, 3) - found.centre
+        displacement[at] = shift_twists(found.twist, arm)
+        for i, k in enumerate(at.tolist()):
             spec, scene, torque = grasps[k].spec, grasps[k].scene, None
             if spec.mechanism is None and scene.scale is None:
                 continue  # it is there already: no joint bears the forces, and they are not scaled
-            whole = scene.forces_to_contact_axes(CompiledAnswer(kind, found.rows[i]).components)
+            whole = scene.forces_to_contact_axes(found[i].components)
             own = whole[: 3 * n].reshape(-1, 3)
             if spec.mechanism is not None:
                 torsion = scene.scatter_torsion(whole[3 * n :]) if scene.soft else None
@@ -160,15 +159,13 @@ class Solutions(Record, Sequence[GraspSolution]):
     held : (m,) bool, whether each is SOLVED.
     """
 
-    def __init__(
-        self, batch: GraspBatch, answers: Sequence[FirstStageAnswers], singles: dict[int, GraspSolution]
-    ) -> None:
+    def __init__(self, batch: GraspBatch, answers: Sequence[ShardAnswers], singles: dict[int, GraspSolution]) -> None:
         self._batch, self._answers, self._singles = batch, tuple(answers), singles
         self._where: Ints = np.full((len(batch), 2), -1)  # which of the answers, and which row of it
         codes = np.zeros(len(batch), dtype=np.int8)
-        for number, found in enumerate(self._answers):
-            codes[found.at] = found.status
-            self._where[found.at, 0], self._where[found.at, 1] = number, np.arange(len(found.at))
+        for number, answer in enumerate(self._answers):
+            codes[answer.at] = answer.status
+            self._where[answer.at, 0], self._where[answer.at, 1] = number, np.arange(len(answer.at))
         for k, solution in singles.items():
             codes[k] = STATUSES.index(solution.status)
         self._codes = codes
@@ -191,9 +188,9 @@ class Solutions(Record, Sequence[GraspSolution]):
         known = self._singles.get(k) or self._seen.get(k)
         if known is None:
             number, row = self._where[k].tolist()
-            found, grasp = self._answers[number], self._batch.grasps[k]
-            answer = CompiledAnswer(found.kind, found.rows[row])
-            known = self._seen[k] = conclude_first_stage(grasp.spec, grasp.scene, self._batch.section(k), answer)
+            answers, grasp = self._answers[number], self._batch.grasps[k]
+            section = self._batch.section(k)
+            known = self._seen[k] = conclude_first_stage(grasp.spec, grasp.scene, section, answers.found[row])
         return known
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -10,31 +10,27 @@ from dataclasses import dataclass, replace
 from queue import SimpleQueue
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from handlcp.check import Array, check_call, check_workers
+from handlcp.check import check_call, check_workers
 from handlcp.contact.friction import Pyramid, Section
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.solve_to_accuracy import attach_advice
-from handlcp.grasp.assembly.scene_builder import build_scene
-from handlcp.grasp.batch.first_stage import (
-    BatchMembers,
-    FirstStageAnswers,
+from handlcp.grasp.batch.grasp_batch import (
     GraspBatch,
+    Shard,
+    ShardAnswers,
     answers_in_threads,
     batch_of,
     group_by_kind,
     pack_shard,
     solve_parcel,
-    split_members,
-    split_settled,
 )
 from handlcp.grasp.batch.solutions import Solutions
 from handlcp.grasp.batch.worker_pool import worker_pool
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solution.solution import GraspSolution
-from handlcp.grasp.solve.compiled_answer import CompiledAnswer, get_compiled_kind
-from handlcp.grasp.solve.solve_spec import solve_in_stages, solve_spec
+from handlcp.grasp.solve.compiled_answer import CompiledAnswer
+from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lcp import Auto, ContactSolver, Solver
 from handlcp.lcp.compiler.compile_policy import compile_in_background
 from handlcp.lcp.solve import AnySolver
@@ -100,40 +96,33 @@ class SingleSolution(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class UnsolvedGrasps:
     """Grasps as they travel, in one pickle: what they share, such as their hand, is in it once, and a grasp made by
-    `replace(wrench=...)` adds some 350 bytes and the row of its first stage. Scenes stay at home.
+    `replace(wrench=...)` adds some 350 bytes. Scenes stay at home.
     """
 
     specs: tuple[GraspSpec, ...]
     sections: tuple[Section, ...]
-    rows: tuple[Array | None, ...]
     solver: AnySolver
     proof: bool
 
-    def solve(self, k: int, scene: Scene) -> GraspSolution:
-        """The solution of grasp k with its scene; from its row, what the first stage came to, where that is known."""
-        spec, section, row = self.specs[k], self.sections[k], self.rows[k]
-        if row is None:
-            return solve_spec(spec, section, self.solver, scene=scene, proof=self.proof)
-        first = CompiledAnswer(get_compiled_kind(scene, section), row)
-        return solve_in_stages(spec, scene, section, self.solver, proof=self.proof, first=first)
 
-
-def pack_unsolved(batch: GraspBatch, at: Sequence[int], rows: dict[int, Array]) -> UnsolvedGrasps:
-    """These grasps as they travel, with their rows, which are taken out."""
+def pack_unsolved(batch: GraspBatch, at: Sequence[int]) -> UnsolvedGrasps:
+    """These grasps as they travel."""
     specs, sections = tuple([batch.grasps[k].spec for k in at]), tuple([batch.section(k) for k in at])
-    return UnsolvedGrasps(specs, sections, tuple([rows.pop(k, None) for k in at]), batch.solver, batch.proof)
+    return UnsolvedGrasps(specs, sections, batch.solver, batch.proof)
 
 
 @compile_in_background()
 def solve_unsolved(left: UnsolvedGrasps) -> list[GraspSolution]:
     """The solutions, without their scenes, wherever the grasps were sent."""
-    return [replace(left.solve(k, build_scene(spec)), scene=None) for k, spec in enumerate(left.specs)]
+    each = zip(left.specs, left.sections, strict=True)
+    return [replace(solve_spec(spec, s, left.solver, proof=left.proof), scene=None) for spec, s in each]
 
 
-def solve_one(batch: GraspBatch, k: int, rows: dict[int, Array]) -> SingleSolution:
-    """The solution of grasp k, from its row, which is taken out."""
-    scene = replace(batch.grasps[k].scene)  # a solve hangs matrices on it: on one that goes, no batch piles them up
-    return restore_scene(batch, k, pack_unsolved(batch, [k], rows).solve(0, scene))
+def solve_one(batch: GraspBatch, k: int) -> SingleSolution:
+    """The solution of grasp k."""
+    g = batch.grasps[k]
+    scene = replace(g.scene)  # a solve hangs matrices on it: on one that goes, no batch piles them up
+    return restore_scene(batch, k, solve_spec(g.spec, batch.section(k), batch.solver, scene=scene, proof=batch.proof))
 
 
 def restore_scene(batch: GraspBatch, k: int, solution: GraspSolution) -> SingleSolution:
@@ -162,69 +151,63 @@ _MAX_SHARD_BYTES = 2**22  # bytes of a shard in the first stage, most: Dask warn
 _MAX_BYTES_SENT = 2**28  # bytes of shards on their way: a batch of any size needs no more memory than that
 
 
-FoundSolutions = Iterator[FirstStageAnswers | SingleSolution]
+FoundSolutions = Iterator[ShardAnswers | SingleSolution]
 
 
 def solve_on_cores(batch: GraspBatch, workers: int) -> FoundSolutions:
     """What is found, as it comes: the first stage in threads, then what it left, in processes where that takes long."""
-    kinds, left = group_by_kind(batch)
-    rows: dict[int, Array] = {}
-    for answers in answers_in_threads(batch, kinds, workers):
-        kept, lost = split_settled(answers, batch.proof)
-        rows |= lost
+    shards, left = group_by_kind(batch)
+    for answers in answers_in_threads(batch, shards, workers):
+        kept, lost = answers.split_settled(batch.proof)
+        left += lost
         if len(kept.at):
             yield kept
-    queue, begun, done = deque(sorted([*left, *rows])), time.perf_counter(), 0
+    queue, begun, done = deque(sorted(left)), time.perf_counter(), 0
     while queue:
-        k = queue.popleft()
-        yield solve_one(batch, k, rows)
+        yield solve_one(batch, queue.popleft())
         done += 1
         spent = time.perf_counter() - begun
         if workers > 1 and spent >= _TRIAL_SECONDS and spent / done * len(queue) > _MIN_PROCESS_SECONDS:
             size = max(1, min(_MAX_LATER_GRASPS, round(_SHARD_SECONDS * done / spent)))
-            yield from _with_processes(batch, queue, rows, workers, size)
+            yield from _with_processes(batch, queue, workers, size)
 
 
-def _with_processes(
-    batch: GraspBatch, queue: deque[int], rows: dict[int, Array], workers: int, size: int
-) -> FoundSolutions:
+def _with_processes(batch: GraspBatch, queue: deque[int], workers: int, size: int) -> FoundSolutions:
     """The rest of the queue: this process goes on with it, while others start and take shards of so many grasps."""
     with ExecutorJobs[list[int]](worker_pool(workers - 1)) as jobs:
         while queue or len(jobs):
             while queue and len(jobs) < _SHARDS_PER_PROCESS * (workers - 1):
                 at = [queue.pop() for _ in range(min(size, len(queue)))]
-                jobs.send(at, solve_unsolved, pack_unsolved(batch, at, rows))
+                jobs.send(at, solve_unsolved, pack_unsolved(batch, at))
             if queue:
-                k = queue.popleft()
-                yield solve_one(batch, k, rows)
+                yield solve_one(batch, queue.popleft())
             for at, solutions in jobs.finished_results(wait=not queue):
                 yield from (restore_scene(batch, k, s) for k, s in zip(at, solutions, strict=True))
 
 
 def solve_on_executor(batch: GraspBatch, executor: Executor) -> FoundSolutions:
     """What is found, as it comes, all of it on the executor: what a shard leaves goes there again, in smaller ones."""
-    kinds, left = group_by_kind(batch)
-    rows: dict[int, Array] = {}
+    shards, left = group_by_kind(batch)
     share = -(-len(batch) // _MIN_SHARDS)
     most = min(_FIRST_SHARD_GRASPS[1], max(_FIRST_SHARD_GRASPS[0], share))
-    first = deque[BatchMembers]()
-    for own in kinds:
-        first += split_members([own], min(most, _MAX_SHARD_BYTES // (8 * own.kind.scene_width)))
+    first = deque[Shard]()
+    for own in shards:
+        first += own.split(max(1, min(most, _MAX_SHARD_BYTES // (8 * own.kind.width))))
     later = deque(_split(left, share))
-    with ExecutorJobs[BatchMembers | list[int]](executor) as jobs:
+    with ExecutorJobs[Shard | list[int]](executor) as jobs:
         while first or later or len(jobs):
             while (first or later) and jobs.size < _MAX_BYTES_SENT:
                 if later:
                     some = later.popleft()
-                    jobs.send(some, solve_unsolved, pack_unsolved(batch, some, rows))
+                    jobs.send(some, solve_unsolved, pack_unsolved(batch, some))
                 else:
                     cargo = pack_shard(batch, shard := first.popleft())
                     jobs.send(shard, solve_parcel, cargo, cargo.size)
             for job, result in jobs.finished_results(wait=True):
-                if isinstance(job, BatchMembers):
-                    kept, lost = split_settled(FirstStageAnswers(*job, result), batch.proof)
-                    rows |= lost
-                    later.extend(_split(list(lost), share))
+                if isinstance(job, Shard):
+                    answers = ShardAnswers(job.at, CompiledAnswer(job.kind, result))
+                    kept, lost = answers.split_settled(batch.proof)
+                    later.extend(_split(lost, share))
                     if len(kept.at):
                         yield kept
                 else:
@@ -278,7 +261,7 @@ def solve_many(
     if executor is not None and workers is not None:
         raise InputError("workers", "None beside an executor, which has its own", workers)
     count = check_workers(workers)
-    answers: list[FirstStageAnswers] = []
+    answers: list[ShardAnswers] = []
     singles: dict[int, GraspSolution] = {}
     with track_progress("grasps", len(batch), progress) as say, compile_in_background(len(batch)):
         for found in solve_on_cores(batch, count) if executor is None else solve_on_executor(batch, executor):

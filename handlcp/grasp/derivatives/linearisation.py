@@ -258,7 +258,7 @@ class LinearisationPoint:
         G = scene.freedom @ self._grasp_matrix / self._balance_row_units[:, None]
         kept = np.concatenate([np.zeros(scene.components, bool), np.ones(scene.dof, bool), reached.gives])
         K = saddle_matrix(self.tangent, stiffness_unit, G, reached.rows)
-        return LinearLaws(K, kept, scene.kind.contact_components, self.friction.limits, stiffness_unit)
+        return LinearLaws(K, kept, scene.kind.contact_components, self.friction.coefficients, stiffness_unit)
 
     @lazy_property
     def response_matrix(self) -> tuple[Array, bool]:

@@ -57,7 +57,7 @@ def next_states(at: LinearisationPoint, i: int) -> list[NextState]:
     """Of contact i, at its limit or at rest."""
     own, kind = at.tangential_components(i), at.states.kind[i]
     d, cone, slip, opens = len(own), at.section.faces == 0 and len(own) > 1, at.v[own], NextState(SEPARATED)
-    if kind == RESTING and (d == 0 or at.friction.limits[i] <= 0.0):
+    if kind == RESTING and (d == 0 or at.friction.coefficients[i] <= 0.0):
         return [opens, NextState(GLIDING)]
     slipping, reached = bool(kind == SLIDING), normals_reached(at, i)
     slides = [NextState(SLIDING, faces, already_slipping=slipping) for faces in _subsets(reached, d)]
@@ -84,7 +84,7 @@ def normals_reached(at: LinearisationPoint, i: int) -> list[Array]:
     none of a cone.
     """
     r = at.law_forces[at.tangential_components(i)]
-    reach = at.friction.limits[i] * at.law_forces[3 * i + 2]
+    reach = at.friction.coefficients[i] * at.law_forces[3 * i + 2]
     if at.section.faces == 0 and len(r) > 1:
         length = float(np.sqrt(r @ r))
         return [r / length] if length > at.force_tolerance else []
@@ -149,7 +149,7 @@ def _is_at_edge(at: LinearisationPoint, i: int) -> bool:
     if kind == STICKING:
         r, push = at.law_forces[own], at.law_forces[3 * i + 2]
         if at.section.faces == 0 and len(own) > 1:
-            return bool(at.friction.limits[i] * push - np.sqrt(r @ r) <= at.force_tolerance)
+            return bool(at.friction.coefficients[i] * push - np.sqrt(r @ r) <= at.force_tolerance)
         return bool(normals_reached(at, i))
     slip = at.v[own]
     for some in itertools.combinations(normals_reached(at, i), rank - 1) if kind == SLIDING and rank > 1 else ():
@@ -224,7 +224,7 @@ def _keeps_signs(at: LinearisationPoint, i: int, state: NextState, x: Array, dv:
         return False
     if state.kind == GLIDING:
         return True
-    room, reached = at.friction.limits[i] * force[3 * i + 2] + b[len(x) + i], normals_reached(at, i)
+    room, reached = at.friction.coefficients[i] * force[3 * i + 2] + b[len(x) + i], normals_reached(at, i)
     if state.kind == STICKING and not reached:  # a cone at rest
         return bool(np.sqrt(force[t] @ force[t]) <= room + small)
     if state.kind == STICKING:

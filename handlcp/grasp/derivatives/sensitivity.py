@@ -49,7 +49,7 @@ def _friction_margin_rates(answer: LinearisationPoint, rates: ResponseRates, cha
     """μ r_N - |r̂_T|, of the exact law; NaN without friction. Without a tangential force any change takes from it."""
     scene, n = answer.scene, answer.scene.n
     lawful, out = rates.forces / answer.scale[:, None], np.full((n, rates.forces.shape[1]), np.nan)
-    limits = answer.friction.limits
+    limits = answer.friction.coefficients
     for i in np.flatnonzero(scene.mu > 0.0).tolist():
         own = [3 * i, 3 * i + 1, *([3 * n + scene.soft.index(i)] if i in scene.soft else [])]
         r, z = answer.law_forces[own], 3 * i + 2

@@ -334,11 +334,15 @@ class Scene:
 
     @lazy_property
     def factor(self) -> Flexibility | None:
-        """The flexibility as a factor: as it was given, or found in a matrix of many contacts; None: it is none."""
+        """The flexibility as a factor, as it was given or found in its matrix, where contacts are eliminated one by
+        one (`SceneKind.has_many_contacts`); None: it is none, or they are not.
+        """
+        if not self.kind.has_many_contacts:
+            return None
         E = stored_flexibility(self)
         if isinstance(E, Flexibility):
             return E
-        return None if self.scale is not None or self.soft or self.n < MIN_CONTACTS_TO_FACTOR else find_factor(E)
+        return None if self.scale is not None or self.n < MIN_CONTACTS_TO_FACTOR else find_factor(E)
 
     # ---- geometry and natural units
     @lazy_property
@@ -356,13 +360,17 @@ class Scene:
     @lazy_property
     def arrays(self) -> GraspArrays:
         """The arrays that compiled code works on."""
+        return self.arrays_with(self.flexibility)
+
+    def arrays_with(self, flexibility: Array) -> GraspArrays:
+        """The same with this matrix in place of the flexibility, such as none where kernels have its factor."""
         spin = _NO_SPIN
         if self.soft:
             levers = np.zeros(0) if self.scale is None else self.scale[3 * self.n :]
             spin = (self.frames[list(self.soft)][:, :, 2] * levers[:, None]).T.copy()
         known = _zeros(self.components) if self.prescribed is None else self.prescribed
         return GraspArrays(
-            self.positions, self.frames, self.flexibility, self.offset, read_only(known), read_only(spin), self.force,
+            self.positions, self.frames, flexibility, self.offset, read_only(known), read_only(spin), self.force,
             self.moment, self.freedom,
         )  # fmt: skip
 

@@ -232,11 +232,8 @@ def solve_in_stages(
     solver: AnySolver = None,
     start: Array = NO_START,
     proof: bool = True,
-    first: CompiledAnswer | None = None,
 ) -> GraspSolution:
     """Forces, slips and motion of `build_scene(spec)`; start : made by `start_values`, proof as in `Grasp.solve`.
-
-    first : what the compiled first stage came to, where that is known.
 
     The first stage of a scene whose effects follow from its data is one compiled call, and for most scenes there is no
     other.
@@ -244,7 +241,7 @@ def solve_in_stages(
     chain, asked = as_chain(solver), asked_effects_with_rows(spec.effects) if spec.effects else ()
     if chain is None or asked:
         return _run_all_stages(spec, scene, section, solver, start, None, proof)
-    found = solve_scene(scene, section, chain.seed, start) if first is None else first
+    found = solve_scene(scene, section, chain.seed, start)
     if found.passes or found.escape is not None or not proof:
         return conclude_first_stage(spec, scene, section, found)
     return _run_all_stages(spec, scene, section, solver, start, found.proposal, proof)

@@ -29,11 +29,11 @@ _RIGID_MOTION_SHARE = 1e-3  # of the natural unit of motion: the certifier allow
 
 
 class FrictionLimits(NamedTuple):
-    """limits (n,) radius of each contact's friction set, or distance of its faces, per newton of normal force; faces
-    and normals (f, 3) as in `ContactProblem`.
+    """coefficients (n,) of friction: radius of each contact's friction set, or distance of its faces, per newton of
+    normal force; faces and normals (f, 3) as in `ContactProblem`.
     """
 
-    limits: Array
+    coefficients: Array
     faces: int
     normals: Array
 
@@ -262,12 +262,12 @@ def _worst_residuals(
 ) -> tuple[float, float, float]:
     """Worst (normal, cone, slip) residual, each relative to F [N] and V (n,) [m].
 
-    normal: |min(r_N / F, v_N / V)|. cone: excess of r_T over the set of radius limit · r_N, and any force along what is
+    normal: |min(r_N / F, v_N / V)|. cone: excess of r_T over the set of radius μ r_N, and any force along what is
     no tangent, / F. slip: distance of r_T / F from the projection of r_T / F - v_T / V on that set; zero exactly when
     the contact sticks, or slides against a force on the limit (maximum dissipation). Where the law's coordinates make a
     motion smaller than it is, what friction has to spare must hold it, too: up to a force of F in contact axes.
     """
-    normal, cone, slip, limits, normals = 0.0, 0.0, 0.0, f.limits, f.normals
+    normal, cone, slip, mu, normals = 0.0, 0.0, 0.0, f.coefficients, f.normals
     r, s, P, D = np.zeros(3), np.zeros(3), np.empty(3), np.empty((3, 4))
     for i in range(len(contacts)):
         if contacts[i, 0] < 0:
@@ -286,7 +286,7 @@ def _worst_residuals(
         if tangents == 0:
             cone = max(cone, np.sqrt(outside))
             continue
-        a = limits[i] * max(push, 0.0)
+        a = mu[i] * max(push, 0.0)
         project_on_set(r, tangents, a, 0.0, f.faces, normals, P, D)
         for k in range(tangents):
             outside += (r[k] - P[k]) ** 2

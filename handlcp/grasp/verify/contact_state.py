@@ -72,14 +72,14 @@ def find_states(
         slip, size, push = np.sqrt(slip), np.sqrt(size), forces[3 * i + 2]
         if not push > weak:
             kind[i] = RESTING if v[3 * i + 2] <= slow else SEPARATED
-        elif friction.limits[i] <= 0.0 or tangents == 0:
+        elif friction.coefficients[i] <= 0.0 or tangents == 0:
             kind[i] = GLIDING
         elif not slip > slow:
             kind[i] = STICKING
         elif friction.faces or tangents == 1:
             kind[i], count[i] = (
                 SLIDING,
-                _write_active_faces(friction, tangents, friction.limits[i] * push, r, weak, faces[i]),
+                _write_active_faces(friction, tangents, friction.coefficients[i] * push, r, weak, faces[i]),
             )
         elif size == 0.0:  # a friction too small for a float64 acts like none
             kind[i] = GLIDING

@@ -16,7 +16,7 @@ tangents j of its block.
 
 from __future__ import annotations
 
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
@@ -248,8 +248,8 @@ def _take_step(M: Array, MT: Array, MMT: Array, g: _RowSums, i: int, t: float, x
 
 # ---------------------------------------------------------------- Newton's method on the rows of a contact problem.
 
-_LINE_SEARCH_MEMORY = 8  # steps over which ‖F‖ may rise
-_MIN_STEP_LENGTH = 2e-2  # step length below which the line search takes what it has
+LINE_SEARCH_MEMORY = 8  # steps over which ‖F‖ may rise
+MIN_STEP_LENGTH = 2e-2  # step length below which the line search takes what it has
 
 
 @kernel
@@ -322,7 +322,7 @@ def run_contact_newton(p: ContactArrays, x: Array, steps: int, tolerance: float)
     relative = np.sqrt(total) / unknown_size(x)
     if relative <= tolerance:  # most often: where every contact sticks
         return 0, relative
-    dx, x1, recent = np.empty(n), np.empty(n), np.zeros(_LINE_SEARCH_MEMORY)
+    dx, x1, recent = np.empty(n), np.empty(n), np.zeros(LINE_SEARCH_MEMORY)
     J, col = np.empty((n, n)), np.empty(n, np.int64)
     for step in range(steps + 1):
         relative = np.sqrt(total) / unknown_size(x)
@@ -332,14 +332,14 @@ def run_contact_newton(p: ContactArrays, x: Array, steps: int, tolerance: float)
             return step, relative
         write_jacobian(p, g, J)
         solve_ranked(J, F, dx, col, RANK_TOLERANCE)
-        recent[step % _LINE_SEARCH_MEMORY] = total
+        recent[step % LINE_SEARCH_MEMORY] = total
         ceiling, t = np.max(recent), 1.0
         while True:
             for i in range(n):
                 x1[i] = x[i] - t * dx[i]
             multiply_add(M, x1, q, y)
             total = evaluate_rows(p, x1, y, F, g)
-            if total <= (1.0 - 1e-4 * t) * ceiling or t < _MIN_STEP_LENGTH:
+            if total <= (1.0 - 1e-4 * t) * ceiling or t < MIN_STEP_LENGTH:
                 break
             t *= 0.5
         x[:] = x1
@@ -377,12 +377,8 @@ def write_jacobian(p: ContactArrays, g: Subgradient, J: Array) -> None:
 
 # ----------------------------------------------------------------
 
-_BALL_TOLERANCE = 1e-2  # how well the ball's answer has to be known to name a polygon's faces
-# int64, no literals: kernels are compiled for each literal anew
-_MAX_BALL_STEPS, _MAX_NEWTON_STEPS = (
-    cast(int, np.int64(8)),
-    cast(int, np.int64(12)),
-)  # runs that end well take half as many
+BALL_TOLERANCE = 1e-2  # how well the ball's answer has to be known to name a polygon's faces
+MAX_BALL_STEPS, MAX_NEWTON_STEPS = 8, 12  # runs that end well take half as many
 # Which contacts Newton's next step takes for sticking depends on ρ: where it fails with the stiffness of each contact,
 # other scales lead elsewhere, from there and from where Kaczmarz steps have come
 _NEWTON_SCALES = (0.03, 0.3, 1.0)
@@ -427,9 +423,9 @@ def _newton_by_ball(p: ContactArrays, scale: float, x: Array, tolerance: float) 
     before, rho = 0, p.rho if scale == 1.0 else p.rho * scale
     if p.faces > 2:
         ball = ContactArrays(p.M, p.q, p.role, rho, p.blocks, p.limits, 0, p.normals)
-        before, _ = run_contact_newton(ball, x, _MAX_BALL_STEPS, _BALL_TOLERANCE)
+        before, _ = run_contact_newton(ball, x, MAX_BALL_STEPS, BALL_TOLERANCE)
     own = ContactArrays(p.M, p.q, p.role, rho, p.blocks, p.limits, p.faces, p.normals)
-    steps, r = run_contact_newton(own, x, _MAX_NEWTON_STEPS, tolerance)
+    steps, r = run_contact_newton(own, x, MAX_NEWTON_STEPS, tolerance)
     return before + steps, r
 
 
@@ -438,7 +434,7 @@ def run_newton_first(p: ContactArrays, x: Array, cold: bool, tolerance: float) -
     """(answer, steps, residual) of Newton's method from x, which is left alone."""
     best, before, r = x.copy(), 0, np.inf
     if not cold and p.faces > 2:  # a good start lies on the right faces already
-        before, r = run_contact_newton(p, best, _MAX_NEWTON_STEPS, tolerance)
+        before, r = run_contact_newton(p, best, MAX_NEWTON_STEPS, tolerance)
         if r <= tolerance:
             return best, before, r
     other = x.copy()

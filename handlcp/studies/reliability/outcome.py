@@ -16,7 +16,7 @@ import numpy as np
 from handlcp.check import Array, Bools, Ints
 from handlcp.contact.friction import Pyramid, as_section
 from handlcp.grasp import GraspSolution, solve_many
-from handlcp.grasp.batch.first_stage import STATUSES, FirstStageAnswers, solve_rows
+from handlcp.grasp.batch.grasp_batch import solve_rows
 from handlcp.grasp.batch.solutions import shift_twists
 from handlcp.grasp.failure.failure_mode import is_exceeded
 from handlcp.grasp.solution.verdict import (
@@ -30,7 +30,7 @@ from handlcp.grasp.solution.verdict import (
     is_beyond_small_motions,
     solution_motions,
 )
-from handlcp.grasp.solve.compiled_answer import get_compiled_kind
+from handlcp.grasp.solve.compiled_answer import CompiledAnswer, get_compiled_kind
 from handlcp.grasp.verdict.check import judge_grasp
 from handlcp.grasp.verify.contact_state import GLIDING, SLIDING, STICKING
 from handlcp.lcp import Status
@@ -94,10 +94,9 @@ def _solve_rows(
     scene, mu = placer.grasp.scene, arrays.mu
     section = as_section(faces, planar=scene.kind.planar)
     kind, m, n = get_compiled_kind(scene, section), len(mu), scene.n
-    rows = solve_rows(placer.make_rows(arrays, kind, section.share), kind, workers)
-    found = FirstStageAnswers(kind, np.arange(m), rows)
-    held, forces = found.is_certified, found.forces_and_twists(found.at)[0][:, : 3 * n]
-    codes = np.where(found.status == STATUSES.index(Status.UNDECIDED), UNDECIDED_CODE, NOT_HELD_CODE)
+    found = solve_rows(placer.make_rows(arrays, kind, section.share), kind, workers)
+    held, forces = found.passes, found.components[:, : 3 * n]
+    codes = np.where(found.escapes, NOT_HELD_CODE, UNDECIDED_CODE)
     most = np.zeros(m)
     if arrays.joints is not None and (mechanism := placer.spec.mechanism) is not None:
         torque = (forces[:, None] @ arrays.joints.jacobian)[:, 0] + arrays.joints.weight
@@ -110,11 +109,10 @@ def _solve_rows(
     return codes, margin, held & _are_too_far(placer, arrays, found), held & ~found.is_unique
 
 
-def _are_too_far(placer: SamplePlacer, arrays: SampleArrays, found: FirstStageAnswers) -> Bools:
+def _are_too_far(placer: SamplePlacer, arrays: SampleArrays, found: CompiledAnswer) -> Bools:
     """(m,) whether motions are too large for one solve, as `solution_motions` says it of a solution."""
     spec, n, k = placer.spec, arrays.mu.shape[1], placer.spec.n - placer.grasp.scene.environment
-    twist, centre = found.forces_and_twists(found.at)[1:]
-    motion, states = found.motions_and_states
+    twist, centre, motion, states = found.twist, found.centre, found.motion, found.states
     offset = placer.total_offsets(arrays)[:, 2::3]
     size = np.sqrt(((arrays.positions - centre[:, None]) ** 2).sum(axis=2).mean(axis=1))
     turn, shift = np.linalg.norm(twist[:, 3:], axis=1), shift_twists(twist, spec.reference - centre)[:, :3]

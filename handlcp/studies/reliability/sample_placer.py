@@ -26,8 +26,7 @@ from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.grasp.solve.compiled_answer import CompiledKind
-from handlcp.grasp.solve.compiled_solve import write_rows
+from handlcp.grasp.solve.compiled_answer import CompiledKind, write_rows
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.robot.hand_model import HandPosture
@@ -204,17 +203,16 @@ class SamplePlacer:
         scene, m, force = self.grasp.scene, len(arrays.mu), arrays.wrench[:, :3]
         return write_rows(
             m,
-            kind.scene_width,
+            kind.width,
             positions=arrays.positions,
             frames=arrays.frames,
             flexibility=arrays.flexibility,
             offset=self.total_offsets(arrays),
             prescribed=[scene.arrays.prescribed] * m,
-            spin=np.zeros((m, 0)),
             force=force,
             moment=arrays.wrench[:, 3:] + np.cross(self.spec.reference, force),
             freedom=[scene.freedom] * m,
-            limits=arrays.mu * share,
+            friction=arrays.mu * share,
         )
 
     def total_offsets(self, arrays: SampleArrays) -> Array:

@@ -57,7 +57,7 @@ class FrictionCoefficient(ContactParameter):
     def change(self, answer: LinearisationPoint) -> LawChange:
         """Of each coefficient, as much as its section bears."""
         mu = self.values(answer.spec)
-        bears = np.where(mu > 0.0, answer.friction.limits / np.where(mu > 0.0, mu, 1.0), np.nan)
+        bears = np.where(mu > 0.0, answer.friction.coefficients / np.where(mu > 0.0, mu, 1.0), np.nan)
         change = answer.law_change(len(mu))
         np.fill_diagonal(change.friction, bears)
         return change

@@ -26,8 +26,7 @@ from handlcp.grasp.path.newton.iteration import begun_from, carried, loaded, mid
 from handlcp.grasp.path.newton.linear_solve import ANY, Rules, accepted, kinds_in_step
 from handlcp.grasp.path.newton.numbers import Laws, Situation
 from handlcp.grasp.path.newton.tangent import Turned, turned_forces
-from handlcp.grasp.solve.compiled_solve import write_start
-from handlcp.grasp.solve.factored_solve import LinearRows, link_in_natural_units, split_unknowns
+from handlcp.grasp.solve.compiled_solve import LinearRows, link_in_natural_units, split_unknowns, write_start
 from handlcp.grasp.verify.certifier import ContactMotions, FrictionLimits, compute_residuals
 from handlcp.lcp.kernels.dense import kernel, product, solve_wide
 from handlcp.tolerances import SOLVE_TOLERANCE
