@@ -73,13 +73,16 @@ def make_solution(
     states = classify_contacts(scene, section, candidate, certified)
     if not all(e.only_limits for e in effects):
         return solution_from_candidate(spec, scene, section, checked, Status.SOLVED, states.kind, None, trace, arm)
-    free = free_branches(scene, effects, section, states, candidate)
+    free, changes = free_branches(scene, effects, section, states, candidate), tuple[Array | None, ...]()
     if free and smallest:
-        least = minimum_norm_candidate(scene, effects, section, states, candidate, certified, free)
+        least, changes = minimum_norm_candidate(scene, effects, section, states, candidate, certified, free)
         if (again := certify_candidate(scene, effects, section, least)).residuals.passes:
             checked = CheckedCandidate(least, again, checked.iterations)
             states = classify_contacts(scene, section, least, again)
-    free_to = replace(find_uniqueness(scene, free, arm), smallest=smallest)
+
+    def free_to() -> Uniqueness:
+        return replace(find_uniqueness(scene, free, arm, changes), smallest=smallest)
+
     return solution_from_candidate(spec, scene, section, checked, Status.SOLVED, states.kind, free_to, trace, arm)
 
 
@@ -90,12 +93,13 @@ def solution_from_candidate(
     checked: CheckedCandidate,
     status: Status,
     states: Ints,
-    uniqueness: Uniqueness | None,
+    uniqueness: Uniqueness | Callable[[], Uniqueness] | None,
     trace: tuple[str, ...],
     arm: Array,
 ) -> GraspSolution:
     """A solution with these numbers, and with what moves the fingers reads off it. arm (3,) [m] leads from the point
-    that the candidate's twist refers to to the grasp's reference. states (n,) : of `ContactStatus`.
+    that the candidate's twist refers to to the grasp's reference. states (n,) : of `ContactStatus`. uniqueness : it, or
+    what finds it when it is first asked for.
     """
     candidate, n = checked.candidate, scene.n
     forces = scene.forces_to_contact_axes(candidate.components)
@@ -111,7 +115,7 @@ def solution_from_candidate(
     if mechanism is not None:
         solution_class = mechanism.solution_class
         read = mechanism.solution_fields(scene, spec.effects, own, torsion, candidate.extra)
-    return solution_class(
+    fields = dict[str, Any](
         status=status,
         names=spec.names,
         forces=own,
@@ -121,7 +125,6 @@ def solution_from_candidate(
         object_displacement=read_only(shift_twist(candidate.twist, arm)),
         contact_state=contact_words(states.tolist()),
         residuals=checked.certification.residuals,
-        uniqueness=uniqueness,
         certificate=None,
         iterations=checked.iterations,
         trace=trace,
@@ -134,6 +137,9 @@ def solution_from_candidate(
         section=section,
         **read,
     )
+    if callable(uniqueness):
+        return solution_class.with_deferred_fields(lambda name: {name: uniqueness()}, **fields)
+    return solution_class(uniqueness=uniqueness, **fields)
 
 
 def as_not_holdable(made: GraspSolution, spec: GraspSpec, scene: Scene, twist: Array) -> GraspSolution:
