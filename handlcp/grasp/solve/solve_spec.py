@@ -129,6 +129,7 @@ def solution_from_candidate(
         iterations=checked.iterations,
         trace=trace,
         extra=candidate.extra,
+        yielding={},
         torsion=torsion,
         spin=spin,
         scene=scene,
@@ -138,7 +139,7 @@ def solution_from_candidate(
         **read,
     )
     if callable(uniqueness):
-        return solution_class.with_deferred_fields(lambda name: {name: uniqueness()}, **fields)
+        return solution_class.with_deferred_fields(lambda _: {"uniqueness": uniqueness()}, **fields)
     return solution_class(uniqueness=uniqueness, **fields)
 
 
