@@ -14,6 +14,7 @@ from .solve import (
     FIRST_STAGE as FIRST_STAGE,
     LONG_SEARCH_STAGE as LONG_SEARCH_STAGE,
     STAGES_BETWEEN_SEARCHES as STAGES_BETWEEN_SEARCHES,
+    STATIC_STAGE as STATIC_STAGE,
     Auto as Auto,
     as_chain as as_chain,
     proposals as proposals,

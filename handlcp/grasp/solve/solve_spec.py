@@ -32,12 +32,14 @@ from handlcp.grasp.solve.compiled_answer import NO_START, CompiledAnswer, solve_
 from handlcp.grasp.solve.equilibrium_search import EquilibriumSearch, EquilibriumSearchResult
 from handlcp.grasp.verify.certifier import Certification, Residuals, certify_candidate, forces_in_world
 from handlcp.grasp.verify.contact_state import classify_contacts
-from handlcp.grasp.verify.load_capacity import escape_in_si, find_escape_twist
+from handlcp.grasp.verify.load_capacity import build_capacity, escape_in_si, find_escape_twist
+from handlcp.grasp.verify.static_load_bound import find_deepest_balance
 from handlcp.lcp import (
     BRIEF_SEARCH_STAGE,
     FIRST_STAGE,
     LONG_SEARCH_STAGE,
     STAGES_BETWEEN_SEARCHES,
+    STATIC_STAGE,
     Auto,
     Proposal,
     Status,
@@ -299,6 +301,8 @@ def _run_all_stages(
     if run.run_stages(itertools.islice(stages, 1)) or run.prove_escape() or chain is None or not proof:
         return run.solution()
     assert isinstance(problem, GraspContactProblem)  # chains work on friction as a set
+    if problem.is_static and run.run_balance():
+        return run.solution()
     if not chain.searches:
         run.run_stages(stages)
         return run.solution()
@@ -358,6 +362,16 @@ class _StagedSolve:
         self.escape = find_escape_twist(self.scene, self.problem.section)
         self.trace.append(f"holdability: {_NO_PROOF_WORDS if self.escape is None else _PROOF_WORDS}")
         return self.escape is not None
+
+    def run_balance(self) -> bool:
+        """Whether forces that balance the load are found, where any of them are an answer."""
+        scene = self.scene
+        capacity = build_capacity(scene, self.problem.section, self.problem.effects, torques=False)
+        forces = scene.arrays.prescribed / scene.units.force_unit
+        forces[scene.kind.index] = find_deepest_balance(capacity, scene.natural.w).forces
+        candidate = SolverCandidate(forces * scene.units.force_unit, np.zeros(6), {}, len(scene.soft))
+        proposal = Proposal(self.problem.natural(candidate), 0, "found" if np.isfinite(forces).all() else "none")
+        return self.run_stages([(STATIC_STAGE, proposal)])
 
     def run_search(self, search: EquilibriumSearch, chain: Auto, work: float, name: str) -> bool:
         """Whether the search decides within its budget."""
