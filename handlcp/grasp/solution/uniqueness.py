@@ -13,7 +13,7 @@ equations leave free.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -21,7 +21,7 @@ import numpy as np
 import scipy
 
 from handlcp.check import Array, Bools, Ints, read_only
-from handlcp.contact.friction import Section, limit_set
+from handlcp.contact.friction import Cone, Section, limit_set
 from handlcp.grasp.assembly.problem import SolverCandidate
 from handlcp.grasp.derivatives.active_set import active_rows, linear_laws, matrix_rank
 from handlcp.grasp.effects import Effect
@@ -29,6 +29,7 @@ from handlcp.grasp.model.contact import shift_twist
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.certifier import Certification, limits_at_answer
 from handlcp.grasp.verify.contact_state import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, ContactStates
+from handlcp.grasp.verify.load_capacity import ConeProduct, find_smallest, friction_rows
 from handlcp.tolerances import RANK_TOLERANCE
 
 MAX_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed
@@ -64,6 +65,7 @@ def free_branches(
     """
     limited, out, moves = limits_at_answer(scene, effects, candidate), [], scene.components + scene.dof
     nothing, at_rest = np.zeros(scene.components), np.flatnonzero(states.kind == RESTING)
+    outward = {d: limit_set(section, d).normals.T for d in set(scene.kind.tangent_count) - {0}}  # around a round set
     for kind, active in itertools.product(resting_choices(scene, states.kind), limited.choices()):
         laws = linear_laws(scene, scene.friction_coefficients(section), limited.rows, active)
         A, _ = active_rows(laws, states._replace(kind=kind))
@@ -78,7 +80,7 @@ def free_branches(
             basis, multipliers = U[:, own], basis[moves:][active] @ Wt[own].T / s[own]
         if basis.shape[1]:
             basis = np.where(abs(basis) > _ROUNDING_SHARE, basis, 0.0)  # between rigid bodies all motion counts
-            resting = state_inequalities(scene, section, kind, states, nothing, nothing, at_rest)
+            resting = state_inequalities(scene, section, kind, states, nothing, nothing, at_rest, outward)
             at_limits = limited.conditions(basis, active, multipliers)[0][limited.resting]
             equations = A[independent] if len(A) == moves else None
             out.append(Branch(kind, active, basis, multipliers, equations, resting, at_limits))
@@ -121,12 +123,20 @@ class StateConditions(NamedTuple):
 
 
 def state_inequalities(
-    scene: Scene, section: Section, kind: Ints, states: ContactStates, forces: Array, motion: Array, contacts: Ints
+    scene: Scene,
+    section: Section,
+    kind: Ints,
+    states: ContactStates,
+    forces: Array,
+    motion: Array,
+    contacts: Ints,
+    outward: Mapping[int, Array],
 ) -> StateConditions:
-    """The conditions that keep these contacts in their states; forces, motion (c,) : natural units."""
+    """The conditions that keep these contacts in their states; forces, motion (c,) : natural units. outward : normals
+    (f, d) of friction sets by their number d of tangents; those without any are left out.
+    """
     limits, size, every = scene.friction_coefficients(section), scene.components + scene.dof, []
     move = np.hstack([scene.flexibility * (scene.units.force_unit / scene.units.motion_unit), scene.natural.full_G.T])
-    outward = {d: limit_set(section, d).normals.T for d in set(scene.kind.tangent_count) - {0}}
     whole = np.arange(size)
     for i in contacts.tolist():
         z, *own = scene.kind.contact_components[i].tolist()
@@ -137,7 +147,7 @@ def state_inequalities(
             every.append((i, whole, move[[z]], motion[[z]]))
             continue
         every.append((i, np.array([z]), np.ones((1, 1)), forces[[z]]))
-        if kind[i] != GLIDING and t:
+        if kind[i] != GLIDING and len(t) in outward:
             normals = outward[len(t)]
             within = np.column_stack([np.full(len(normals), limits[i]), -normals])
             every.append((i, np.array([z, *t]), within, within @ forces[[z, *t]]))
@@ -198,11 +208,12 @@ def minimum_norm_candidate(
     forces, moved = candidate.components / units.force_unit, verdict.motion / units.motion_unit
     x0 = np.concatenate([forces, scene.natural_twist(candidate.twist)])
     best, extra, limited = x0, candidate.extra, limits_at_answer(scene, effects, candidate)
+    sets = set(scene.kind.tangent_count) - {0}
+    flat = {d: limit_set(section, d).normals.T for d in sets if d == 1 or not isinstance(section, Cone)}
     for branch in branches:
-        kept = state_inequalities(scene, section, branch.kind, states, forces, moved, np.arange(scene.n))
-        change = _find_least_change(
-            branch, kept, limited.conditions(branch.basis, branch.active, branch.multipliers), x0
-        )
+        kept = state_inequalities(scene, section, branch.kind, states, forces, moved, np.arange(scene.n), flat)
+        at_limits = limited.conditions(branch.basis, branch.active, branch.multipliers)
+        change = _find_least_change(branch, kept, at_limits, _round_cones(scene, section, branch.kind), x0)
         changes.append(change)
         if change is None:
             continue
@@ -216,26 +227,43 @@ def minimum_norm_candidate(
 _MISSED_SHARE = 1e-12  # of the answer: conditions that are missed by less are met
 
 
-def _find_least_change(branch: Branch, kept: StateConditions, limits: tuple[Array, Array], x0: Array) -> Array | None:
+def _round_cones(scene: Scene, section: Section, kind: Ints) -> tuple[scipy.sparse.csr_array, ConeProduct]:
+    """Rows C (m, c + dof) with C x in cones, of contacts that stick or slide on a round set."""
+    own = scene.kind.contact_components
+    rubs = ((kind == STICKING) | (kind == SLIDING)) & (np.array(scene.kind.tangent_count) > 1)
+    _, _, balls = friction_rows(scene, section, np.where(rubs[:, None], own, -1), scene.components + scene.dof)
+    every = [block for _, (blocks, _) in sorted(balls.items()) for block in blocks]
+    rows = -np.concatenate([np.zeros((0, scene.components + scene.dof)), *every])
+    return scipy.sparse.csr_array(rows), ConeProduct(0, tuple((d, len(of)) for d, (of, _) in sorted(balls.items())))
+
+
+def _find_least_change(
+    branch: Branch,
+    kept: StateConditions,
+    limits: tuple[Array, Array],
+    cones: tuple[scipy.sparse.csr_array, ConeProduct],
+    x0: Array,
+) -> Array | None:
     """The c (k,) of the smallest x₀ + B c that keeps all conditions, those of limits (D, slack) along the basis; None:
     rounding leaves none.
 
     With y = c + Bᵀx₀: min ‖y‖ subject to A y ≥ h, a least-distance problem, solved as nonnegative least squares
     (Lawson & Hanson, Solving Least Squares Problems, chapter 23). Few conditions bind of very many: those that y misses
-    join, until it misses none. Rounding must neither shut out the present member (now ≥ 0) nor make a condition of a
-    row that these directions do not touch.
+    most join, of each contact one, until it misses none. Where forces leave a round cone then, the program is one of
+    second-order cones. Rounding must neither shut out the present member (now ≥ 0) nor make a condition of a row that
+    these directions do not touch.
     """
     B, (D, slack) = branch.basis, limits
     now, start, count = np.maximum(np.append(kept.now, slack), 0.0), B.T @ x0, len(kept.now)
     least, y = -_MISSED_SHARE * max(1.0, float(abs(x0).max())), np.zeros(B.shape[1])
     joined, binding, beyond = np.zeros(len(now), bool), [np.zeros((0, len(y)))], [np.zeros(0)]
-    groups = np.append(kept.owners, -1 - np.arange(len(D)))  # of a contact's many faces the one that y misses most
+    groups = np.append(kept.owners, -1 - np.arange(len(D)))
     while True:
         c = y - start
         room = now + np.append(kept.rows @ (B @ c), D @ c)
         missed = np.flatnonzero((room < least) & ~joined)
         if not len(missed):
-            return c
+            break
         worst = missed[np.argsort(room[missed], kind="stable")]
         missed = np.sort(worst[np.unique(groups[worst], return_index=True)[1]])
         joined[missed] = True
@@ -249,6 +277,46 @@ def _find_least_change(branch: Branch, kept: StateConditions, limits: tuple[Arra
         if found is None:
             return None
         y = found
+    if _cone_room(cones, x0 + B @ c) >= least:
+        return c
+    return _find_least_in_cones(branch, kept._replace(now=now[:count]), (D, now[count:]), cones, x0)
+
+
+def _cone_room(cones: tuple[scipy.sparse.csr_array, ConeProduct], x: Array) -> float:
+    """The least t - |u| of all cones, which is below zero where x leaves one."""
+    values, at, room = cones[0] @ x, 0, [0.0]
+    for d, count in cones[1].second_order:
+        parts = values[at : at + d * count].reshape(count, d)
+        room.append(float((parts[:, 0] - np.sqrt((parts[:, 1:] ** 2).sum(axis=1))).min()))
+        at += d * count
+    return min(room)
+
+
+def _find_least_in_cones(
+    branch: Branch,
+    kept: StateConditions,
+    limits: tuple[Array, Array],
+    cones: tuple[scipy.sparse.csr_array, ConeProduct],
+    x0: Array,
+) -> Array | None:
+    """As `_find_least_change`, by a conic program; over x itself where it has fewer equations than directions."""
+    B, (D, slack), (C, curved) = branch.basis, limits, cones
+    touched = np.flatnonzero(abs(kept.rows) @ abs(B).max(axis=1) > 1e-10)
+    rows, now, equations = kept.rows[touched], kept.now[touched], branch.equations
+    size = max(1.0, float(abs(x0).max()))
+    if equations is not None and len(equations) < B.shape[1]:
+        A, G, right = equations, scipy.sparse.vstack([rows, C]), equations @ x0
+        room = np.append(now - rows @ x0, np.zeros(C.shape[0]))
+        found = find_smallest(
+            scipy.sparse.csr_array(A), right / size, -G, room / size, ConeProduct(len(now), curved.second_order)
+        )
+        return None if found is None else np.asarray(B.T @ (found * size - x0))
+    start, fixed = B.T @ x0, x0 - B @ (B.T @ x0)
+    G = np.concatenate([rows @ B, D, C @ B])
+    room = np.concatenate([now - (rows @ B) @ start, slack - D @ start, C @ fixed])
+    every = ConeProduct(len(now) + len(D), curved.second_order)
+    found = find_smallest(np.zeros((0, len(start))), np.zeros(0), -G, room / size, every)
+    return None if found is None else found * size - start
 
 
 def _solve_least_distance(A: Array, h: Array) -> Array | None:
