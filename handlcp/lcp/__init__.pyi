@@ -17,6 +17,7 @@ from .solve import (
     STATIC_STAGE as STATIC_STAGE,
     Auto as Auto,
     as_chain as as_chain,
+    is_static as is_static,
     proposals as proposals,
     solve_lcp as solve_lcp,
 )

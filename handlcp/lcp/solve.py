@@ -142,7 +142,7 @@ class Auto:
             rest = [name for name, _ in self._on_contacts(problem)]
             if not hasattr(problem, "scene"):
                 return (FIRST_STAGE, *rest)
-            begin = FIRST_STAGE, "holdability", *((STATIC_STAGE,) if getattr(problem, "is_static", False) else ())
+            begin = FIRST_STAGE, "holdability", *((STATIC_STAGE,) if is_static(problem) else ())
             if not search:
                 return *begin, *rest
             between, after = rest[:STAGES_BETWEEN_SEARCHES], rest[STAGES_BETWEEN_SEARCHES:]
@@ -237,6 +237,14 @@ class Auto:
             for faces in _OPTIONS.start_faces:
                 if faces != own:
                     yield f"Newton from Lemke, {faces} faces", partial(newton, faces)
+
+
+def is_static(problem: ContactProblem) -> bool:
+    """Whether any forces within friction that balance the load of a grasp are an answer, with an object that does not
+    move: nothing gives way, nothing is commanded, every contact touches, and effects have no unknowns of their own.
+    """
+    forces = problem.role > 0
+    return not ((~forces).sum() > 6 or problem.q[forces].any() or problem.M[np.ix_(forces, forces)].any())
 
 
 def propose_in_limit_units(solver: ContactSolver, problem: ContactProblem, start: Array | None) -> Proposal:

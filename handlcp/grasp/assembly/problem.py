@@ -116,14 +116,6 @@ class GraspContactProblem(ContactProblem):
         return unknown_labels(self.groups)
 
     @property
-    def is_static(self) -> bool:
-        """Whether any forces within friction that balance the load are an answer, with an object that does not move:
-        nothing gives way, nothing is commanded, and every contact touches.
-        """
-        scene = self.scene
-        return not (scene.kind.flexible or self.requested_effects or scene.natural.d.any())
-
-    @property
     def limit_unknowns(self) -> Ints:
         """(m,) which unknowns are motions of limits that give way, those of effects asked for."""
         at, extra = self.system.at, self.system.layout.extra

@@ -44,6 +44,7 @@ from handlcp.lcp import (
     Proposal,
     Status,
     as_chain,
+    is_static,
     proposals,
     stage_line,
 )
@@ -301,7 +302,7 @@ def _run_all_stages(
     if run.run_stages(itertools.islice(stages, 1)) or run.prove_escape() or chain is None or not proof:
         return run.solution()
     assert isinstance(problem, GraspContactProblem)  # chains work on friction as a set
-    if problem.is_static and run.run_balance():
+    if is_static(problem) and run.run_balance():
         return run.solution()
     if not chain.searches:
         run.run_stages(stages)
