@@ -104,7 +104,7 @@ def test_the_least_forces_on_the_cone_are_no_larger_than_those_of_pyramids_insid
 
 def test_what_takes_too_long_to_decide_is_said_to_be_an_upper_bound(monkeypatch):
     known = legs(6).solve().uniqueness
-    monkeypatch.setattr("handlcp.grasp.solution.uniqueness._MAX_PROGRAM_WORK", 0.0)
+    monkeypatch.setattr("handlcp.grasp.solution.uniqueness.MAX_PROGRAM_WORK", 0.0)
     stopped = legs(6).solve().uniqueness
     assert known.proven
     assert not stopped.proven

@@ -423,7 +423,7 @@ def _has_entries(parts: list[Array]) -> bool:
 # directions that keep all rows in doubt at zero are in the span in any case, since a bit of them can be added to it.
 
 _PROGRAM_BOUND = 1e6  # of unknowns; a condition that stays below its inverse within it is always zero
-_MAX_PROGRAM_WORK = 2e8  # entries of its matrix times steps of the simplex method: one or two seconds
+MAX_PROGRAM_WORK = 2e8  # entries of its matrix times steps of the simplex method: one or two seconds
 _CERTAIN_SHARE = 1e-6  # of the largest: a condition by which a member has so much room is not zero
 _CONE_TOLERANCE = 1e-9  # the same: a member that misses a condition by less is one
 
@@ -439,7 +439,7 @@ class _Doubts(NamedTuple):
         return _keep_at_zero(branch, self.resting, self.at_limits)
 
     def decide(self, branch: Branch) -> Array | None:
-        """(c + dof, k) a basis of the span; None: the work for that is more than `_MAX_PROGRAM_WORK`.
+        """(c + dof, k) a basis of the span; None: the work for that is more than `MAX_PROGRAM_WORK`.
 
         One linear program finds every row that is 0 throughout: the largest Σ t with D c ≥ t, 0 ≤ t ≤ 1, has t = 1 for
         the others, because the cone holds the sum of its members. Its unknowns are the changes themselves where these
@@ -463,7 +463,7 @@ class _Doubts(NamedTuple):
             np.zeros(len(equations)) if len(equations) else None,
             bounds=[(-_PROGRAM_BOUND, _PROGRAM_BOUND)] * k + [(0.0, 1.0)] * rows,
             method="highs",
-            options={"maxiter": int(_MAX_PROGRAM_WORK / (within.nnz + same.nnz))},
+            options={"maxiter": int(MAX_PROGRAM_WORK / (within.nnz + same.nnz))},
         )
         if found.status != 0:
             return None
