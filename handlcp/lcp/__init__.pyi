@@ -14,8 +14,10 @@ from .solve import (
     FIRST_STAGE as FIRST_STAGE,
     LONG_SEARCH_STAGE as LONG_SEARCH_STAGE,
     STAGES_BETWEEN_SEARCHES as STAGES_BETWEEN_SEARCHES,
+    STATIC_STAGE as STATIC_STAGE,
     Auto as Auto,
     as_chain as as_chain,
+    is_static as is_static,
     proposals as proposals,
     solve_lcp as solve_lcp,
 )

@@ -37,6 +37,7 @@ from handlcp.tolerances import FINE_SOLVE_TOLERANCE, SOLVE_TOLERANCE
 Stage = tuple[str, Callable[[], Proposal | None]]
 
 FIRST_STAGE = "NSNGRK, Newton first"
+STATIC_STAGE = "balance of rigid contacts"
 BRIEF_SEARCH_STAGE, LONG_SEARCH_STAGE = "search, briefly", "search, longer"
 STAGES_BETWEEN_SEARCHES = 2  # stages between these two, here and in the stages of a grasp
 _NSNGRK_STAGE = "NSNGRK"
@@ -64,10 +65,11 @@ class Auto:
     """Stages until the certifier is content; `plan` lists them for a problem, the solution's `trace` those that ran.
 
     On contact problems, and on LCPs that have such a form: NSNGRK that begins with Newton's steps, on a small budget;
-    of a grasp, the proof that nothing could hold it, and a brief search; Lemke's method on the problem's own pyramid,
-    and Newton's method from its answer (the cone: from that of 8 faces); of a grasp, a longer search; Newton's method
-    from where other subsets of the contacts stick or stay apart, and from the answers of other pyramids; of a grasp,
-    the rest of the search.
+    of a grasp, the proof that nothing could hold it, forces that balance the load where all contacts are rigid (any
+    such forces are an answer), and a brief search; Lemke's method on the problem's own pyramid, and Newton's method
+    from its answer (the cone: from that of 8 faces); of a grasp, a longer search; Newton's method from where other
+    subsets of the contacts stick or stay apart, and from the answers of other pyramids; of a grasp, the rest of the
+    search.
     On other LCPs: NSNGRK, Lemke's method with one, then with other covering vectors, Newton's method from other active
     sets, NSNGRK again with other seeds and more steps; a Farkas vector, which proves that there is none; the search.
 
@@ -140,10 +142,11 @@ class Auto:
             rest = [name for name, _ in self._on_contacts(problem)]
             if not hasattr(problem, "scene"):
                 return (FIRST_STAGE, *rest)
+            begin = FIRST_STAGE, "holdability", *((STATIC_STAGE,) if is_static(problem) else ())
             if not search:
-                return (FIRST_STAGE, "holdability", *rest)
+                return *begin, *rest
             between, after = rest[:STAGES_BETWEEN_SEARCHES], rest[STAGES_BETWEEN_SEARCHES:]
-            return FIRST_STAGE, "holdability", BRIEF_SEARCH_STAGE, *between, LONG_SEARCH_STAGE, *after, *search
+            return *begin, BRIEF_SEARCH_STAGE, *between, LONG_SEARCH_STAGE, *after, *search
         if not isinstance(problem, LCP):
             raise InputError("problem", "an LCP or a ContactProblem, such as grasp.problem()", type(problem).__name__)
         if isinstance(problem, MultiplierLCP):
@@ -234,6 +237,14 @@ class Auto:
             for faces in _OPTIONS.start_faces:
                 if faces != own:
                     yield f"Newton from Lemke, {faces} faces", partial(newton, faces)
+
+
+def is_static(problem: ContactProblem) -> bool:
+    """Whether any forces within friction that balance the load of a grasp are an answer, with an object that does not
+    move: nothing gives way, nothing is commanded, every contact touches, and effects have no unknowns of their own.
+    """
+    forces = problem.role > 0
+    return not ((~forces).sum() > 6 or problem.q[forces].any() or problem.M[np.ix_(forces, forces)].any())
 
 
 def propose_in_limit_units(solver: ContactSolver, problem: ContactProblem, start: Array | None) -> Proposal:

@@ -1,4 +1,4 @@
-"""What one solve costs: its parts beside bare Pinocchio, verdicts, effects, friction cones beside QuantEcon's Lemke.
+"""What one solve costs: its parts beside bare Pinocchio, verdicts, effects, rigid contacts, cones beside QuantEcon.
 
     python -m tests.benchmarks.solve [--rounds 400] [--scenes 60]
 
@@ -128,6 +128,31 @@ def effects(rounds: int) -> dict[str, float]:
     return print_ratios("Effects, five fingers", best_times(tasks, max(2, rounds // 20), 10))
 
 
+def rigid(rounds: int) -> dict[str, float]:
+    """Print and return what a plate on n rigid legs costs, as multiples of the same on flexible ones; then what is open
+    read, and the answer printed.
+    """
+
+    def legs(n: int, flexibility: float) -> hl.Grasp:
+        angles = 2 * np.pi * np.arange(n) / n
+        contacts = [hl.Contact((np.cos(a), np.sin(a), 0), (0, 0, 1), 0.5) for a in angles]
+        return hl.Grasp(contacts, wrench=(0, 0, -10, 0, 0, 0), flexibility=flexibility)
+
+    def read(n: int) -> Callable[[], Callable[[], Any]]:
+        return lambda: (lambda solution: lambda: str(solution))(legs(n, 0.0).solve())
+
+    ratios, rows = {}, []
+    for n in (50, 100, 200):
+        tasks = {"flexible": functools.partial(legs, n, 1e-4), "rigid": functools.partial(legs, n, 0.0)}
+        times = best_times(
+            {name: solve_of(make, "cone") for name, make in tasks.items()} | {"read": read(n)}, rounds, 1
+        )
+        ratios[str(n)] = times["rigid"] / times["flexible"]
+        rows.append((str(n), *(f"{1e3 * t:.1f}" for t in times.values()), f"{ratios[str(n)]:.1f}"))
+    print_table("Rigid legs under a plate", ("legs", "flexible ms", "rigid ms", "printed ms", "× flexible"), rows)
+    return ratios
+
+
 def lemke(make: Make, faces: int) -> Callable[[], Callable[[], Any]] | None:
     """QuantEcon's call on the same standard problem; None where it has no answer."""
     from quantecon.optimize import lcp_lemke
@@ -185,7 +210,7 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, dict[str, float]]:
     few = max(1, asked.rounds // 50)
     return {
         "split": split(asked.rounds), "verdicts": verdicts(asked.scenes, few),
-        "effects": effects(asked.rounds), "sections": sections(asked.scenes, few),
+        "effects": effects(asked.rounds), "rigid": rigid(few), "sections": sections(asked.scenes, few),
     }  # fmt: skip
 
 

@@ -14,6 +14,7 @@ def test_one_solve():
     assert found["verdicts"]["SOLVED, 8"] == 1.0
     assert 0.5 < found["effects"]["geared motors"] < 1.5
     assert found["sections"]["32"] < 3.0
+    assert max(found["rigid"].values()) < 500.0
 
 
 def test_a_loading():

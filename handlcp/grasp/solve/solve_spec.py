@@ -32,16 +32,19 @@ from handlcp.grasp.solve.compiled_answer import NO_START, CompiledAnswer, solve_
 from handlcp.grasp.solve.equilibrium_search import EquilibriumSearch, EquilibriumSearchResult
 from handlcp.grasp.verify.certifier import Certification, Residuals, certify_candidate, forces_in_world
 from handlcp.grasp.verify.contact_state import classify_contacts
-from handlcp.grasp.verify.load_capacity import escape_in_si, find_escape_twist
+from handlcp.grasp.verify.load_capacity import build_capacity, escape_in_si, find_escape_twist
+from handlcp.grasp.verify.static_load_bound import find_deepest_balance
 from handlcp.lcp import (
     BRIEF_SEARCH_STAGE,
     FIRST_STAGE,
     LONG_SEARCH_STAGE,
     STAGES_BETWEEN_SEARCHES,
+    STATIC_STAGE,
     Auto,
     Proposal,
     Status,
     as_chain,
+    is_static,
     proposals,
     stage_line,
 )
@@ -73,13 +76,16 @@ def make_solution(
     states = classify_contacts(scene, section, candidate, certified)
     if not all(e.only_limits for e in effects):
         return solution_from_candidate(spec, scene, section, checked, Status.SOLVED, states.kind, None, trace, arm)
-    free = free_branches(scene, effects, section, states, candidate)
+    free, changes = free_branches(scene, effects, section, states, candidate), tuple[Array | None, ...]()
     if free and smallest:
-        least = minimum_norm_candidate(scene, effects, section, states, candidate, certified, free)
+        least, changes = minimum_norm_candidate(scene, effects, section, states, candidate, certified, free)
         if (again := certify_candidate(scene, effects, section, least)).residuals.passes:
             checked = CheckedCandidate(least, again, checked.iterations)
             states = classify_contacts(scene, section, least, again)
-    free_to = replace(find_uniqueness(scene, free, arm), smallest=smallest)
+
+    def free_to() -> Uniqueness:
+        return replace(find_uniqueness(scene, free, arm, changes), smallest=smallest)
+
     return solution_from_candidate(spec, scene, section, checked, Status.SOLVED, states.kind, free_to, trace, arm)
 
 
@@ -90,12 +96,13 @@ def solution_from_candidate(
     checked: CheckedCandidate,
     status: Status,
     states: Ints,
-    uniqueness: Uniqueness | None,
+    uniqueness: Uniqueness | Callable[[], Uniqueness] | None,
     trace: tuple[str, ...],
     arm: Array,
 ) -> GraspSolution:
     """A solution with these numbers, and with what moves the fingers reads off it. arm (3,) [m] leads from the point
-    that the candidate's twist refers to to the grasp's reference. states (n,) : of `ContactStatus`.
+    that the candidate's twist refers to to the grasp's reference. states (n,) : of `ContactStatus`. uniqueness : it, or
+    what finds it when it is first asked for.
     """
     candidate, n = checked.candidate, scene.n
     forces = scene.forces_to_contact_axes(candidate.components)
@@ -111,7 +118,7 @@ def solution_from_candidate(
     if mechanism is not None:
         solution_class = mechanism.solution_class
         read = mechanism.solution_fields(scene, spec.effects, own, torsion, candidate.extra)
-    return solution_class(
+    fields = dict[str, Any](
         status=status,
         names=spec.names,
         forces=own,
@@ -121,11 +128,11 @@ def solution_from_candidate(
         object_displacement=read_only(shift_twist(candidate.twist, arm)),
         contact_state=contact_words(states.tolist()),
         residuals=checked.certification.residuals,
-        uniqueness=uniqueness,
         certificate=None,
         iterations=checked.iterations,
         trace=trace,
         extra=candidate.extra,
+        yielding={},
         torsion=torsion,
         spin=spin,
         scene=scene,
@@ -134,6 +141,9 @@ def solution_from_candidate(
         section=section,
         **read,
     )
+    if callable(uniqueness):
+        return solution_class.with_deferred_fields(lambda _: {"uniqueness": uniqueness()}, **fields)
+    return solution_class(uniqueness=uniqueness, **fields)
 
 
 def as_not_holdable(made: GraspSolution, spec: GraspSpec, scene: Scene, twist: Array) -> GraspSolution:
@@ -289,6 +299,8 @@ def _run_all_stages(
     if run.run_stages(itertools.islice(stages, 1)) or run.prove_escape() or chain is None or not proof:
         return run.solution()
     assert isinstance(problem, GraspContactProblem)  # chains work on friction as a set
+    if is_static(problem) and run.run_balance():
+        return run.solution()
     if not chain.searches:
         run.run_stages(stages)
         return run.solution()
@@ -348,6 +360,16 @@ class _StagedSolve:
         self.escape = find_escape_twist(self.scene, self.problem.section)
         self.trace.append(f"holdability: {_NO_PROOF_WORDS if self.escape is None else _PROOF_WORDS}")
         return self.escape is not None
+
+    def run_balance(self) -> bool:
+        """Whether forces that balance the load are found, where any of them are an answer."""
+        scene = self.scene
+        capacity = build_capacity(scene, self.problem.section, self.problem.effects, torques=False)
+        forces = scene.arrays.prescribed / scene.units.force_unit
+        forces[scene.kind.index] = find_deepest_balance(capacity, scene.natural.w).forces
+        candidate = SolverCandidate(forces * scene.units.force_unit, np.zeros(6), {}, len(scene.soft))
+        proposal = Proposal(self.problem.natural(candidate), 0, "found" if np.isfinite(forces).all() else "none")
+        return self.run_stages([(STATIC_STAGE, proposal)])
 
     def run_search(self, search: EquilibriumSearch, chain: Auto, work: float, name: str) -> bool:
         """Whether the search decides within its budget."""

@@ -182,14 +182,8 @@ def _proposals(programs: ConicPrograms) -> Iterator[tuple[int, Array, Array, Arr
     """(k, x, y, z, s) of every program, as Clarabel leaves them."""
     import clarabel  # a tenth of a second, with sparse matrices, that only bounds should pay
 
-    e, m, cones = programs.A.shape[1], len(programs.G), programs.cones
-    kinds: list[Any] = [clarabel.ZeroConeT(e)] if e else []
-    kinds += [clarabel.NonnegativeConeT(cones.linear)] if cones.linear else []
-    kinds += [clarabel.SecondOrderConeT(d) for d, count in cones.second_order for _ in range(count)]
-    settings = clarabel.DefaultSettings()
-    settings.verbose, settings.max_threads = False, 1
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _ASKED_GAP
-    settings.tol_infeas_abs = settings.tol_infeas_rel = 1e-3 * _PROOF_TOLERANCE  # its measure is another one
+    e, m = programs.A.shape[1], len(programs.G)
+    kinds, settings = _clarabel_setup(e, programs.cones)
     none = scipy.sparse.csc_matrix((len(programs.c), len(programs.c)))
     for k in range(len(programs.A)):
         rows = scipy.sparse.csc_matrix(np.concatenate([programs.A[k], programs.G]))
@@ -197,6 +191,36 @@ def _proposals(programs: ConicPrograms) -> Iterator[tuple[int, Array, Array, Arr
         found = clarabel.DefaultSolver(none, programs.c, rows, right, kinds, settings).solve()
         x, z, s = (np.asarray(a, dtype=np.float64) for a in (found.x, found.z, found.s))
         yield k, x, z[:e], z[e : e + m], s[e : e + m]
+
+
+def _clarabel_setup(equations: int, cones: ConeProduct) -> tuple[list[Any], Any]:
+    """Clarabel's cones, of so many equations and then of these cones, and its settings."""
+    import clarabel
+
+    kinds: list[Any] = [clarabel.ZeroConeT(equations)] if equations else []
+    kinds += [clarabel.NonnegativeConeT(cones.linear)] if cones.linear else []
+    kinds += [clarabel.SecondOrderConeT(d) for d, count in cones.second_order for _ in range(count)]
+    settings = clarabel.DefaultSettings()
+    settings.verbose, settings.max_threads = False, 1
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _ASKED_GAP
+    settings.tol_infeas_abs = settings.tol_infeas_rel = 1e-3 * _PROOF_TOLERANCE  # its measure is another one
+    return kinds, settings
+
+
+def find_smallest(A: Any, b: Array, G: Any, h: Array, cones: ConeProduct) -> Array | None:
+    """The x (v,) of least norm with A x = b and h - G x in the cones, A (e, v) and G (m, v) dense or sparse, as near as
+    Clarabel comes; None where it finds nothing. What is missed is for the caller to measure.
+    """
+    import clarabel
+
+    kinds, settings = _clarabel_setup(len(b), cones)
+    rows, v = scipy.sparse.vstack([scipy.sparse.csc_array(A), scipy.sparse.csc_array(G)], format="csc"), A.shape[1]
+    whole = scipy.sparse.csc_matrix(rows)
+    found = clarabel.DefaultSolver(
+        scipy.sparse.identity(v, format="csc"), np.zeros(v), whole, np.append(b, h), kinds, settings
+    ).solve()
+    x = np.asarray(found.x, dtype=np.float64)
+    return x if np.isfinite(x).all() else None
 
 
 def assess_end(programs: ConicPrograms, k: int, x: Array, y: Array, z: Array, s: Array) -> tuple[int, float, float]:

@@ -10,6 +10,7 @@ with the gap between it and what the multipliers prove.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -58,14 +59,22 @@ class LoadFactors:
     multipliers: Array
 
 
-def balance_depth(capacity: Capacity, base: Array) -> float:
-    """The largest t ≤ 1 such that forces with t of room to every limit balance base (dof,), in units of what the grasp
-    bears: < 0 where none balance it at all.
+class DeepestBalance(NamedTuple):
+    """Forces (m,) that balance a load with as much room to every limit as there is, natural units, NaN where none are
+    known; and that room, depth ≤ 1, in units of what the grasp bears: < 0 where none balance it at all.
     """
+
+    depth: float
+    forces: Array
+
+
+def find_deepest_balance(capacity: Capacity, base: Array) -> DeepestBalance:
+    """The largest t ≤ 1 such that forces with t of room to every limit balance base (dof,), and these forces."""
     A, b = _equality_rows(capacity, base)
     size, kept = _bearing_size(capacity, base), _row_space(A)
+    nothing = DeepestBalance(-1.0, np.full(capacity.G.shape[1], np.nan))
     if (abs(b - kept.T @ (kept @ b)) > RANK_TOLERANCE * max(size, float(abs(b).max(initial=0.0)))).any():
-        return -1.0
+        return nothing
     G, cones = capacity.G, capacity.cones
     room = np.column_stack([G, cones.unit])
     lid = np.append(np.zeros(G.shape[1]), 1.0)[None]
@@ -78,7 +87,7 @@ def balance_depth(capacity: Capacity, base: Array) -> float:
         ConeProduct(cones.linear + 1, cones.second_order),  # with the lid in front
     )
     found = solve_conic(program)
-    return float(found.x[0, -1]) if found.status[0] == ENDED else -1.0
+    return DeepestBalance(float(found.x[0, -1]), found.x[0, :-1] * size) if found.status[0] == ENDED else nothing
 
 
 def largest_factors(capacity: Capacity, base: Array, wrenches: Array) -> LoadFactors:
@@ -209,7 +218,7 @@ def static_load_bounds(
     capacity = build_capacity(scene, section, spec.effects, torques)
     own, given = _natural_wrenches(spec, scene, np.array([spec.wrench, base]))
     there = scene.natural.w - own + given  # prescribed forces are part of it
-    balanced = balance_depth(capacity, there) >= -CERTIFY_TOLERANCE
+    balanced = find_deepest_balance(capacity, there).depth >= -CERTIFY_TOLERANCE
     k, m = len(wrenches), capacity.G.shape[1]
     if balanced:
         found = largest_factors(capacity, there, _natural_wrenches(spec, scene, wrenches))
