@@ -22,7 +22,7 @@ from handlcp.check import Array
 from handlcp.contact.block_newton import solve_blocks, tangent_stiffness_blocks
 from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, compute_geometry, wrench_map
 from handlcp.grasp.path.newton.answer import Found, put, written
-from handlcp.grasp.path.newton.iteration import begun_from, carried, loaded, middle, told
+from handlcp.grasp.path.newton.iteration import begun_from, carried, loaded, middle, softness_of_components, told
 from handlcp.grasp.path.newton.linear_solve import ANY, Rules, accepted, kinds_in_step
 from handlcp.grasp.path.newton.numbers import Laws, Situation
 from handlcp.grasp.path.newton.tangent import Turned, turned_forces
@@ -116,8 +116,9 @@ def _tangent(s: Situation, laws: Laws, r: Array, centre: Array) -> _Tangent:
         turned = turned_forces(s.touch, s.frames, s.moving, centre, r.reshape(-1, 3), np.zeros(n))
     pads = _alone(s, turned)
     shared = _shared(s, turned, pads, told(s.elastic, s.loads, laws))
-    linear, softness = _linear(s, pads, shared, centre)
-    return _Tangent(turned, pads, shared, linear, softness)
+    el = s.elastic
+    softness = softness_of_components(el.J, el.P, el.compliance_factor, laws)
+    return _Tangent(turned, pads, shared, _linear(s, pads, shared, centre), softness)
 
 
 @kernel
@@ -169,8 +170,8 @@ def _shared(s: Situation, turned: Turned, pads: _Pads, command: Array) -> _Share
 
 
 @kernel
-def _linear(s: Situation, pads: _Pads, shared: _Shared, centre: Array) -> tuple[LinearRows, Array]:
-    """The problem in SI, contacts in their own axes, and the diagonal of what gives way (3n,)."""
+def _linear(s: Situation, pads: _Pads, shared: _Shared, centre: Array) -> LinearRows:
+    """The problem in SI, contacts in their own axes."""
     el, loads, damping, moves = s.elastic, s.loads, s.damping, len(pads.follow) > 0
     (n3, nv), m = el.J.shape, el.compliance_factor.shape[1]
     G = wrench_map(s.touch.positions, centre, s.frames, np.zeros((3, 0)))
@@ -186,11 +187,9 @@ def _linear(s: Situation, pads: _Pads, shared: _Shared, centre: Array) -> tuple[
     W, R = np.empty((n3, m + 6)), np.empty((n3, m + 6))
     W[:, :m], W[:, m:] = -product(tip, shared.A), W_u
     R[:, :m], R[:, m:] = product(pull, el.compliance_factor), R_u
-    d, softness = pads.give + np.dot(tip, shared.a), np.empty(n3)
+    d = pads.give + np.dot(tip, shared.a)
     for k in range(n3):
-        i, own = k // 3, k % 3
-        d[k] += loads.base[i, own]
-        softness[k] = pads.Q[i, own, own] + np.dot(R[k, :m], W[k, :m])
+        d[k] += loads.base[k // 3, k % 3]
     # Rows of the torques, then of balance: Aᵀ and 1 times (by_object u + by_joints δq + constant), 0 = ... - S z
     S, w = np.zeros((m + 6, m + 6)), np.zeros(m + 6)
     for c in range(m):
@@ -206,7 +205,7 @@ def _linear(s: Situation, pads: _Pads, shared: _Shared, centre: Array) -> tuple[
     for b in range(6):
         w[m + b] -= damping.body[b] * damping.done[b]
         S[m + b, m + b] += damping.body[b]
-    return LinearRows(pads.Q, W, R, d, S, w), softness
+    return LinearRows(pads.Q, W, R, d, S, w)
 
 
 @kernel

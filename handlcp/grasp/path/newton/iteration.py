@@ -48,7 +48,7 @@ def one_iteration(s: Situation, rules: Rules, start: Array, begun: bool, seed: i
         lin.B_u[a, a] -= damping.body[a]
     if not still:
         lin.B_u[:] += carried(loads, centre)
-    softness = softness_of_components(J, P, el.root, laws)
+    softness = softness_of_components(J, P, el.compliance_factor, laws)
     g, posed, problem, y, expected = linear_problem(t.positions, s.frames, rules, lin, loaded(loads), softness, start)
     residual = solved(problem, y, expected, begun and len(start) > 0, seed)
     passes, r, v, twist, kinds, gives = answered(g, posed, rules, lin, y, residual)
@@ -63,15 +63,15 @@ def one_iteration(s: Situation, rules: Rules, start: Array, begun: bool, seed: i
 
 
 @kernel
-def softness_of_components(J: Array, P: Array, root: Array, laws: Laws) -> Array:
-    """(c,) the diagonal of J K⁻¹ Jᵀ + P in the laws' coordinates."""
+def softness_of_components(J: Array, P: Array, factor: Array, laws: Laws) -> Array:
+    """(c,) the diagonal of J K⁻¹ Jᵀ + P in the laws' coordinates, K⁻¹ = factor factorᵀ."""
     out = np.empty(len(P))
     for i in range(len(P)):
         total = P[i, i]
-        for m in range(root.shape[1]):
+        for m in range(factor.shape[1]):
             along = 0.0
-            for j in range(len(root)):
-                along += J[i, j] * root[j, m]
+            for j in range(len(factor)):
+                along += J[i, j] * factor[j, m]
             total += along * along
         out[i] = total * laws.scale[i] * laws.scale[i]
     return out
