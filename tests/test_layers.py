@@ -1,5 +1,5 @@
 """Imports run one way: cli → viz → design → studies → scene → simulator → hand → grasp → contact → kinematics → lcp →
-record, words, refinement, lazy_property, check, progress, read_file, write_file, errors, tolerances, version.
+record, words, lazy_property, check, progress, read_file, write_file, errors, tolerances, version.
 
 Every import counts, wherever it stands: on top of a file, inside a function, or for type checkers alone. But methods of
 answers and grasps, such as `plot`, import from viz and studies what they show when they are called.
@@ -24,7 +24,6 @@ ORDER = [
     "progress",
     "check",
     "lazy_property",
-    "refinement",
     "words",
     "record",
     "lcp",
