@@ -43,8 +43,9 @@ def paths(grasp, load, geometry=None, faces="cone", steps=12):
     for wrap in (lambda body: body, InPython):
         body = wrap(geometry_of(spec, geometry))
         first, goals, stepper = begun(spec, section, body, 1e-9, ("squeeze", "load"), load)
-        run = advance(stepper, watch_of(spec, body), first, goals, steps)
-        yield loading_of(run, goals, stepper, section)
+        may_slide = np.full(spec.n, np.inf)
+        run = advance(stepper, watch_of(spec, body, may_slide), first, goals, steps)
+        yield loading_of(run, goals, stepper, section, may_slide)
 
 
 def assert_same(grasp, load, **how):
