@@ -10,6 +10,7 @@ from typing import Any, Self, TypeVar
 
 import numpy as np
 
+from handlcp.actuation.cable_kinematics import RoutedTendons
 from handlcp.actuation.cable_routing import CableRouting
 from handlcp.actuation.joint_stiffness import TENDON_TENSION, Effort, JointStiffness, orthonormal_basis
 from handlcp.actuation.motor import Drives, check_driven_once, read_tendon_motors
@@ -74,6 +75,10 @@ class TendonModel:
             root = None
         made = kind(K, arms, cables, root)
         return made if self.drives is None else made.with_motors(self.drives, self.strength)
+
+    def bind(self, bound_routes: BoundRoutes) -> RoutedTendons:
+        """The tendons as compiled code reads them, with their routes on the links of the hand."""
+        return self.routing.bind(bound_routes, self._given_cables, self._is_elastic)
 
     @cached_property
     def _is_elastic(self) -> Bools:
@@ -224,6 +229,13 @@ class RoutedStiffness(TendonStiffness):
         """Of the tendons that have one, by name."""
         return {self._cache.model.names[i]: route for i, route in self._cache.model.routing.routes.items()}
 
+    @property
+    def routed_tendons(self) -> tuple[RoutedTendons, tuple[int, ...]]:
+        """The tendons as compiled code reads them, and Pinocchio's numbers of the frames whose placements a
+        `CablePosture` of theirs has, in that order.
+        """
+        return self._cache.routed_tendons
+
     def motored(self, motors: Mapping[str, Any] | None) -> RoutedStiffness:
         """The same with motors by tendon, None: without. Raises InputError, UnknownName."""
         drives = read_tendon_motors(motors, self.names, self.cables.pretension)
@@ -260,6 +272,11 @@ class TendonPostureCache:
             found = self._lately[key] = self.model.elasticity_at(RoutedStiffness, self._bound_routes, q, self.cables_at)
             found._cache, found._q = self, q
         return found
+
+    @property
+    def routed_tendons(self) -> tuple[RoutedTendons, tuple[int, ...]]:
+        """As `RoutedStiffness.routed_tendons`."""
+        return self.model.bind(self._bound_routes), self._bound_routes.frames
 
     def cables_at(self, q: Array) -> tuple[Cables, Array]:
         """As `Cables` asks for it."""

@@ -9,6 +9,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.actuation import Around, Pulley, Route, Site
+from handlcp.actuation.cable_kinematics import CablePosture, lay_tendons, tendon_arm_rates
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand import Hand, example_hand
 from handlcp.robot.mjcf_cable import read_routes
@@ -472,6 +473,22 @@ def test_tensions_weigh_how_arms_change_and_rigid_joints_feel_none_of_it():
     expected = np.tensordot(T, slopes, 1)
     expected[0] = expected[:, 0] = 0.0
     np.testing.assert_allclose(np.tensordot(T, rigid.arm_rates(), 1), expected, atol=1e-12)
+
+
+def test_compiled_code_lays_tendons_from_placements_and_columns_alone():
+    """What a compiled step asks for has the arms, lengths and rates that a route has by itself."""
+    hand = cabled()
+    q = random_postures(hand, 1)[0]
+    tendons, frames = hand.stiffness.routed_tendons
+    placements, J = hand.kinematics.frames_at(q, frames)
+    posed = CablePosture(placements, J.T.copy())
+    laid, _, wrong, _ = lay_tendons(tendons, posed, q)
+    assert wrong < 0
+    paths = [bound.at(q) for bound in alone(hand)]
+    np.testing.assert_allclose(laid.arms, [path.arms for path in paths], atol=1e-14)
+    np.testing.assert_allclose(laid.shift + laid.arms @ q, [-path.length for path in paths], atol=1e-14)
+    slopes = [bound.slope(q) for bound in alone(hand)]
+    np.testing.assert_allclose(tendon_arm_rates(tendons, posed), slopes, atol=1e-12)
 
 
 def test_what_joints_have_drawn_in_of_a_cable_is_what_it_is_shorter_by_over_rigid_joints_too():
