@@ -22,13 +22,14 @@ from handlcp.grasp.limits.fixed import (
     watch_from,
 )  # fmt: skip
 from handlcp.grasp.limits.followed import Allowed, Before
-from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST
+from handlcp.grasp.limits.kernels.happens import GIVES_UP, JUMPS, LOST
 from handlcp.grasp.limits.kernels.onward import onward_each
 from handlcp.grasp.limits.kernels.parts import none_known, update
 from handlcp.grasp.limits.load_limit import is_followed, read_allowed
 from handlcp.grasp.limits.path import binds_of
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.advance import read_accuracy
+from handlcp.grasp.path.geometry import length_of
 from handlcp.grasp.path.watch import MAX_SLIP
 from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.tolerances import EVENT_TOLERANCE
@@ -100,11 +101,12 @@ def _fixed(spec: GraspSpec, section: Section, loads: Array, allowed: Allowed, ac
     answers, ends = np.empty((m, 4)), np.empty((m, n + len(p.owner)), dtype=np.int64)
     points = np.empty((m, 1 + len(p.E) + len(p.G) + len(p.rows)))
     update(p, begun.place.closed, (begun.place.yields == 1).astype(np.int64), known)
+    length = length_of(spec.positions)
     (per_slip, slid), slips = slip_shares(system, begun, allowed.max_slip), np.empty((m, n))
     with compile_now(m):
         onward_each(
-            p, begun.place, system.load(system.weight), system.loads(loads), watch, system.sets, per_slip, slid, known,
-            answers, ends, points, slips,
+            p, begun.place, system.load(system.weight), system.loads(loads), watch, system.sets, length, per_slip, slid,
+            known, answers, ends, points, slips,
         )  # fmt: skip
     for a, w in enumerate(system.loads(loads)):
         answers[a, 2] = over_nothing(answers[a, 2], w, begun.place)
@@ -117,7 +119,8 @@ def _fixed(spec: GraspSpec, section: Section, loads: Array, allowed: Allowed, ac
     ]
     for a in np.flatnonzero(slides).tolist():
         binds[a] = slid_contacts(spec.names, slips[a])
-    off, again = np.full(m, EVENT_TOLERANCE), answers[:, 0] == GIVES_UP
+    again = (answers[:, 0] == GIVES_UP) | ((answers[:, 0] == JUMPS) & np.isnan(points[:, 0]))
+    off = np.full(m, EVENT_TOLERANCE)
     if not ends_plainly(system):
         again |= (answers[:, 0] == LOST) & np.isnan(points[:, 0]) & (answers[:, 2] > 0.0)
     for a in np.flatnonzero(again).tolist():

@@ -20,7 +20,7 @@ from handlcp.grasp.limits.further import largest_held
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST, REACHED, TURNS, Watch
 from handlcp.grasp.limits.kernels.onward import faces_reached, onward
 from handlcp.grasp.limits.kernels.parts import CLOSED, CLOSES, OPEN, OPENS, Place, none_known
-from handlcp.grasp.limits.kernels.rates import slides_at
+from handlcp.grasp.limits.kernels.rates import points_before_jump, slides_at
 from handlcp.grasp.limits.kernels.trace import EVENTS, trace
 from handlcp.grasp.limits.path import TracedPath, binds_of, events_of, with_joints
 from handlcp.grasp.limits.result import Later, LimitEvent, LoadLimit, Reached, Rest
@@ -30,6 +30,7 @@ from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import SLIDING, contact_statuses
 from handlcp.grasp.path.advance import ACCURACY
 from handlcp.grasp.path.follow import follow
+from handlcp.grasp.path.geometry import length_of
 from handlcp.grasp.path.state import Stage
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.solve_spec import solve_spec
@@ -224,19 +225,26 @@ def fixed_limit(
         return followed_limit(spec, section, wrench, allowed, "fixed", accuracy)
     if status == LOST and factor > 0.0 and not ends_plainly(system) and not path.ends():
         return followed_limit(spec, section, wrench, allowed, "fixed", accuracy)
+    happened, then = events_of(system, log[:events]), ""
+    before = points_before_jump(p, watch.moves, length_of(spec.positions), points[:count])
+    if before < count:
+        status, which, count, factor, then = LOST, -1, before, float(points[before - 1, 0]), "snaps to another place"
+        place = slid_place(system, points[before - 1])
+        path = TracedPath(system, wrench, points[:count].copy(), place)
+        happened = (*[e for e in happened if e.factor <= factor], LimitEvent("snaps", OBJECT, factor))
     binds = with_joints(system, binds_of(system, status, which, place.closed, place.active), place.yields)
-    happened = events_of(system, log[:events])
     first = next((e.factor for e in happened if e.kind == "slips"), None)
     lost = None if not binds or binds[0].kind in (TORQUE, RANGE, MOTION) else factor
-    at, slides = np.empty(points.shape[1]), None
+    at, slides = np.empty(points.shape[1]), None  # of where a contact has slid as far as it may
     per_slip, slid = slip_shares(system, begun, allowed.max_slip)
     if factor > 0.0 and slides_at(p, per_slip, slid, points[:count], at):
-        slides = factor = float(at[0])
+        slides, then = float(at[0]), ""
+        factor = slides
         binds = slid_contacts(spec.names, slid)
         before = points[:count][points[:count, 0] < factor]
         path = TracedPath(system, wrench, np.vstack([before, at]), slid_place(system, at), path)
         happened += tuple([LimitEvent(SLIDES, one.who, factor) for one in binds])
-    later = _later(explain_limit(binds, factor, wrench, spec), path, factor, lost, slides, happened)
+    later = _later(explain_limit(binds, factor, wrench, spec, then), path, factor, lost, slides, happened)
     return LoadLimit(factor, wrench, binds, "fixed", later, first, slides, EVENT_TOLERANCE)
 
 

@@ -15,8 +15,8 @@ from handlcp.grasp.limits.kernels.parts import CLOSED, CLOSES, OPEN, OPENS, Part
 from handlcp.grasp.limits.kernels.rates import Rates
 from handlcp.lcp.kernels.dense import kernel
 
-# The status of a path: how it ends, that it goes on, or that a force turns on its round cone
-REACHED, LOST, WATCHED, RAY, GIVES_UP, CONTINUES, TURNS = 0, 1, 2, 3, 4, 5, 6
+# The status of a path: how it ends, that it goes on, that a force turns on its round cone, or that the object jumps
+REACHED, LOST, WATCHED, RAY, GIVES_UP, CONTINUES, TURNS, JUMPS = 0, 1, 2, 3, 4, 5, 6, 7
 _TIE = 1e-11  # of the largest force, gap or motion: an event that is no farther away has come
 _NEVER = 1e300
 

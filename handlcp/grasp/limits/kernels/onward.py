@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST, RAY, WATCHED, Watch, room_of
+from handlcp.grasp.limits.kernels.happens import GIVES_UP, JUMPS, LOST, RAY, WATCHED, Watch, room_of
 from handlcp.grasp.limits.kernels.pairs import face_of_force
 from handlcp.grasp.limits.kernels.parts import CLOSED, OPEN, OPENS, Inverse, Parts, Place
-from handlcp.grasp.limits.kernels.rates import slides_at
+from handlcp.grasp.limits.kernels.rates import points_before_jump, slides_at
 from handlcp.grasp.limits.kernels.still import FREE, SLIDES, Still, still_of
 from handlcp.grasp.limits.kernels.still_walk import BOUNDED, LOST as ENDS, UNBOUNDED, Bounds, Log, goes_on, walk
 from handlcp.grasp.limits.kernels.trace import EVENTS, kinds_of, logged, trace
@@ -120,13 +120,15 @@ def onward(
 
 @kernel
 def onward_each(
-    p: Parts, begun: Place, carried: Array, loads: Array, watch: Watch, sets: Sets, per_slip: Array, slid: Array,
+    p: Parts, begun: Place, carried: Array, loads: Array, watch: Watch, sets: Sets, length: float, per_slip: Array,
+    slid: Array,
     known: Inverse, answers: Array, ends: Ints, points: Array, slips: Array,
 ) -> None:  # fmt: skip
     """The paths under each of loads (m, dof), all from the same place. answers (m, 4) : its status, what was watched,
     its factor, how many events. ends (m, n + f) : `closed` and `active` there. points (m, ·) : where a contact has
     slid as far as it may, its first entry NaN where none does; slips (m, n) : how far all have slid by then;
-    per_slip, slid : as in `slides_at`.
+    per_slip, slid : as in `slides_at`, length as in
+    `points_before_jump`.
     """
     log = np.empty((EVENTS, 3))
     path = np.empty((EVENTS, 1 + len(begun.r) + len(begun.u) + len(begun.give)))
@@ -138,6 +140,9 @@ def onward_each(
         s = _copy(begun)
         status, factor, which, events, count = onward(p, s, loads[a], carried, watch, sets, known, log, path)
         slips[a] = slid
+        known_points = points_before_jump(p, watch.moves, length, path[:count])
+        if known_points < count:
+            status, count = JUMPS, known_points
         if not slides_at(p, per_slip, slips[a], path[:count], points[a]):
             points[a, 0] = np.nan
         answers[a, 0], answers[a, 1], answers[a, 2], answers[a, 3] = status, which, factor, events

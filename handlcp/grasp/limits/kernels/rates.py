@@ -28,6 +28,7 @@ from handlcp.grasp.limits.kernels.pairs import (
 )
 from handlcp.grasp.limits.kernels.parts import CLOSED, OPEN, OPENS, Inverse, Parts, Place, update
 from handlcp.lcp.kernels.dense import kernel
+from handlcp.tolerances import MIN_SNAP_DISTANCE
 
 _MOST = 6  # contacts that touch without force at one place, of which all choices are tried
 _TURNS, _WHOLE, _TURNED = 100, 20, 1e-12
@@ -259,3 +260,26 @@ def slides_at(p: Parts, per_slip: Array, slid: Array, path: Array, point: Array)
             point[:] = path[a - 1] + first * d
             return True
     return False
+
+
+_SAME_LOAD = 2e-6  # of the load: between two points with no more the load has hardly grown
+
+
+@kernel
+def points_before_jump(p: Parts, moves: Array, length: float, path: Array) -> int:
+    """How many points of a path there are up to where the object jumps: to the next it moves far under a load that
+    hardly grows. moves (6, dof) : the object's motion, SI, of natural unknowns; length [m] : of the contacts from their
+    centre.
+    """
+    m, moved = len(p.E), np.zeros(6)
+    for a in range(1, len(path)):
+        if path[a, 0] - path[a - 1, 0] > _SAME_LOAD * path[a, 0]:
+            continue
+        moved[:] = 0.0
+        for b in range(6):
+            for c in range(len(p.G)):
+                moved[b] += moves[b, c] * (path[a, 1 + m + c] - path[a - 1, 1 + m + c])
+        far = np.sqrt((moved[:3] ** 2).sum()) / length + np.sqrt((moved[3:] ** 2).sum())
+        if far > MIN_SNAP_DISTANCE:
+            return a
+    return len(path)
