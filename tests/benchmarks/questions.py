@@ -72,7 +72,7 @@ def questions(count: int, rounds: int) -> dict[str, float]:
 
         return ready
 
-    times = best_times({"solve": task(lambda grasp: grasp.solve())}, 20, 50)
+    times = best_times({"solve": task(lambda grasp: grasp.solve())}, 10, 10)
     times |= best_times({"check, held": task(lambda grasp: grasp.check().word)}, 3 * rounds, 3)
     limits = np.min([limits_of(make, ways) for _ in range(rounds)], axis=0)
     times |= {"load_limit, median": median(limits), "load_limit, worst": float(max(limits))}

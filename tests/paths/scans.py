@@ -23,6 +23,7 @@ from tests.paths.time_limit import TookTooLong, at_most
 from tests.paths.words import limit_of
 
 LEAST, TIMES = 0.05, 3.0
+NOTHING = 0.1  # of the median factor of a scan: below it a step counts against this
 SAME = 1e-6  # of two loads on one path
 HALVINGS = 12  # of the interval between neighbours
 SCANS = ("squeeze", "friction", "stiffness", "direction")
@@ -112,25 +113,29 @@ def scan_of(case: Case, what: str, points: int) -> tuple[np.ndarray, Ask]:
     return np.linspace(*SHARES, points), lambda share: ask_limit(case.changed(change(share)), way)
 
 
-def steps_of(values: np.ndarray) -> np.ndarray:
-    """Steps between neighbours, relative to the larger one; between infinite ones 0, to an infinite one 1."""
+def steps_of(values: np.ndarray, floor: float) -> np.ndarray:
+    """Steps between neighbours, relative to the larger one, or to a factor that is next to nothing in this scan;
+    between infinite ones 0, to an infinite one 1.
+    """
     a, b = values[:-1], values[1:]
     with np.errstate(invalid="ignore"):
-        off = abs(b - a) / np.maximum(np.maximum(abs(a), abs(b)), 1e-300)
+        off = abs(b - a) / np.maximum(np.maximum(abs(a), abs(b)), max(floor, 1e-300))
     return np.where(a == b, 0.0, np.where(np.isfinite(a) & np.isfinite(b), off, 1.0))
 
 
 def find_jumps(at: np.ndarray, ask: Ask) -> Iterator[Jump]:
     """The jumps of a scan, each between neighbours that were halved `HALVINGS` times."""
     limits = [ask(x) for x in at]
-    steps = steps_of(np.array([limit.factor for limit in limits]))
+    values = np.array([limit.factor for limit in limits])
+    floor = NOTHING * float(np.median(values[np.isfinite(values)])) if np.isfinite(values).any() else 0.0
+    steps = steps_of(values, floor)
     least = max(LEAST, TIMES * float(np.median(steps)))
     for k in np.flatnonzero(steps > least):
         jump = Jump(float(at[k]), float(at[k + 1]), limits[k], limits[k + 1])
         for _ in range(HALVINGS):
             middle = 0.5 * (jump.at + jump.until)
             between = ask(middle)
-            left, right = steps_of(np.array([jump.low.factor, between.factor, jump.high.factor]))
+            left, right = steps_of(np.array([jump.low.factor, between.factor, jump.high.factor]), floor)
             if max(left, right) <= least:
                 break  # each half is small: the limit is steep
             if left >= right:
