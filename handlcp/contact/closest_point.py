@@ -267,6 +267,8 @@ def write_station_motion(
 # moves on below it. Its normal is the face's, and turns with the link; beyond the face's rim it turns about the rim,
 # which is round.
 
+TILT_ANGLE = 2e-3  # [rad] by which a shape is tilted to see where it touches: at a point, or flat
+
 
 @kernel
 def write_corner_contact(

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
-from handlcp.contact.closest_point import closest_on_surface, nearest_station, write_corner_contact
+from handlcp.contact.closest_point import TILT_ANGLE, closest_on_surface, nearest_station, write_corner_contact
 from handlcp.contact.friction import FrictionLaw
 from handlcp.errors import InputError, NotReached, pip_command
 from handlcp.geometry.distance import bounding_box, coal_distance, shape_size, signed_distance
@@ -154,7 +154,6 @@ def search_nearest(least: Array, measured: Callable[[int], Proximity]) -> Proxim
 # What of a shape touches an object where both are flat: the points that are nearest when it is tilted a little.
 
 
-TILT_ANGLE = 2e-3  # [rad]
 MIN_SPREAD = 1.5e-3  # [m] farther apart, points are not those of a curved surface
 # Along no axis of a link: tilted toward an edge alone, a face touches anywhere on that edge, and not at its corners
 _TANGENT_SEED = np.array([0.62, 0.34, 0.71])

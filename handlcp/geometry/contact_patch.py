@@ -13,9 +13,9 @@ import coal
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.contact.closest_point import TILT_ANGLE
 from handlcp.geometry.contact_detection import (
     MIN_SPREAD,
-    TILT_ANGLE,
     Proximity,
     choose_corners,
     find_tilted_points,

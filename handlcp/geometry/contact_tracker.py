@@ -18,9 +18,8 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
-from handlcp.contact.closest_point import write_corner_contact
+from handlcp.contact.closest_point import TILT_ANGLE, write_corner_contact
 from handlcp.geometry.contact_detection import (
-    TILT_ANGLE,
     Proximity,
     choose_corners,
     find_tilted_points,
