@@ -13,7 +13,7 @@ from tests.support.design import evaluated_by
 run = partial(command.run, "evaluate")
 URDF = ROOT / "urdf" / "three_finger.urdf"
 GIVEN = ("--joint-stiffness", 1.0, "--pad-flexibility", 1e-4, "--tip-radius", 0.008)
-BRIEF = 'tries = 4\n[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.1\n'
+BRIEF = 'tries = 4\n[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.05\n'
 SCENE = '[hand]\nname = "three_finger"\njoint_stiffness_Nm_per_rad = 1.0\n[object]\nshape = "sphere"\nradius_m = 0.03\n'
 
 
@@ -43,7 +43,7 @@ def test_a_hand_by_name_by_file_and_from_a_scene_is_the_same_hand(brief, tmp_pat
     for hand, options in (("three_finger", ()), (URDF, GIVEN), (scene, ())):
         assert run(hand, brief, *options).exit_code == 0
     assert len({str(hand.describe().to_dict()["joints"]) for hand in hands}) == 1
-    told = json.loads(run("three_finger", brief, "--json", "--require", "payload>0.1").stdout)
+    told = json.loads(run("three_finger", brief, "--json", "--require", "payload>0.05").stdout)
     assert told["payload_kg"] == known.payload
     assert told["unmet"] == []
 

@@ -19,7 +19,7 @@ def make(length, stiffness):
 
 def brief(friction):
     """One ball, few placements."""
-    return hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, friction=friction, tries=3)
+    return hl.Brief({"ball": hl.Sphere(0.03, mass=0.04)}, friction=friction, tries=3)
 
 
 def no_hand(x, kind):

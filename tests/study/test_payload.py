@@ -83,7 +83,7 @@ def test_a_planar_pinch_has_four_orientations_and_leans_in_its_plane():
 
 def test_what_nothing_limits_is_an_answer():
     contacts = [hl.Contact(tuple(-R * np.array(d)), d, MU) for d in AXES]
-    free = hl.Grasp(contacts, flexibility=K, preload=K * N).payload()
+    free = hl.Grasp(contacts, flexibility=K, preload=K * N).payload(max_slip=np.inf)
     assert np.isinf(free.mass)
     assert free.binds == ()
     assert "any mass is held" in str(free)
@@ -197,7 +197,7 @@ def test_a_path_that_is_given_up_is_a_lower_bound_and_says_so(monkeypatch):
     assert limit.factor == pytest.approx(3.0, rel=1e-3)
     assert [b.kind for b in limit.binds] == ["undecided"]
     assert limit.why.startswith("held up to 3 times the load, and undecided beyond: ")
-    give_up_beyond(0.2, monkeypatch)
+    give_up_beyond(0.1, monkeypatch)
     p = cube().payload(geometry="followed")
     assert p.by_orientation[0].undecided
     assert p.headline.startswith("at least ")
