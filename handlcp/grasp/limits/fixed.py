@@ -226,10 +226,10 @@ def fixed_limit(
     if status == LOST and factor > 0.0 and not ends_plainly(system) and not path.ends():
         return followed_limit(spec, section, wrench, allowed, "fixed", accuracy)
     happened, then = events_of(system, log[:events]), ""
-    before = points_before_jump(p, watch.moves, length_of(spec.positions), points[:count])
-    if before < count:
-        status, which, count, factor, then = LOST, -1, before, float(points[before - 1, 0]), "snaps to another place"
-        place = slid_place(system, points[before - 1])
+    kept = points_before_jump(p, watch.moves, length_of(spec.positions), points[:count])
+    if kept < count:
+        status, which, count, factor, then = LOST, -1, kept, float(points[kept - 1, 0]), "snaps to another place"
+        place = slid_place(system, points[kept - 1])
         path = TracedPath(system, wrench, points[:count].copy(), place)
         happened = (*[e for e in happened if e.factor <= factor], LimitEvent("snaps", OBJECT, factor))
     binds = with_joints(system, binds_of(system, status, which, place.closed, place.active), place.yields)
