@@ -51,6 +51,14 @@ def test_a_grasp_that_is_lost_is_lost_at_the_same_load():
     assert single.lost_at == pytest.approx(whole.lost_at, rel=1e-6)
 
 
+def test_joints_without_names_have_no_limits_and_the_load_limit_is_that_of_one_matrix():
+    grasp = power_grasp(12, 5, WEAK, loaded=False)
+    load = np.array([0.0, 0.0, -1.0, 0.0, 0.0, 0.0])
+    whole, single = grasp.dense(), grasp.factored()
+    assert single.follow(1e-3 * load).word == whole.follow(1e-3 * load).word
+    assert single.load_limit(load).factor == pytest.approx(whole.load_limit(load).factor, rel=1e-5)
+
+
 def test_contacts_that_move_with_a_hand_give_the_path_of_one_matrix(monkeypatch):
     """Turning and moving contacts, pads and joints: all terms of the tangent, eliminated and in one matrix."""
     row = json.loads(GRASPS.read_text())["five_finger, ball 1"]

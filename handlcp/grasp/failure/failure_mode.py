@@ -147,9 +147,10 @@ def limit_shares(limits: StateLimits, efforts: Array, q: Array | None = None, mo
     """Shares of the limits: (nv + t,) of torques and tensions; with q (nv,) of ranges too, nv more; with moved (6,) of
     the object's motion too, 2 more, of shift and turn. NaN where a torque is.
     """
-    parts = [abs(efforts) * limits.inverse_efforts]
+    named = len(limits.joints)  # joints that a flexibility alone knows have no names, and no limits
+    parts = [abs(efforts[: len(limits.inverse_efforts)]) * limits.inverse_efforts]
     if q is not None:
-        parts.append(np.maximum(q - limits.upper, limits.lower - q) * limits.inverse_spans + 1.0)
+        parts.append(np.maximum(q[:named] - limits.upper, limits.lower - q[:named]) * limits.inverse_spans + 1.0)
     if moved is not None:
         if q is None:
             parts.append(np.full(len(limits.joints), -np.inf))

@@ -197,14 +197,12 @@ def _about_to_slip(f: Followed, state: State) -> tuple[FailureMode, ...]:
 
 def _then(run: Run) -> str:
     """What the object does at the end, other than that no more load is balanced; "" for nothing."""
-    if run.jump is None or not run.snaps:
+    if run.jump is None:
         return ""
-    last = run.snaps[-1]
-    by = (
-        f", as a small push{describe_direction(np.array(last.pushed))} makes it where it is in balance"
-        if last.pushed
-        else ""
-    )
+    last = run.snaps[-1] if run.snaps else None
+    if last is None or not last.pushed:
+        return "snaps to another place, or leaves"
+    by = f", as a small push{describe_direction(np.array(last.pushed))} makes it where it is in balance"
     return f"{'snaps to another place' if last.rests else 'leaves'}{by}"
 
 
@@ -236,7 +234,8 @@ def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
         marks["limit"] = f.mark(run.shares[-1])
     events = [LimitEvent(e.kind, e.who, e.share) for e in run.events if e.kind in _NAMED]
     if run.jump is not None:
-        events += [LimitEvent("snaps", OBJECT, s.share, s.moved, s.turned, s.pushed) for s in run.snaps[-1:]]
+        pushed = run.snaps[-1].pushed if run.snaps else ()
+        events.append(LimitEvent("snaps", OBJECT, run.jump.share, pushed=pushed))
     if run.slides is not None:
         slid = slid_contacts(f.spec.names, run.slipped[run.slides.number] / f.max_slip)
         events += [LimitEvent(SLIDES, one.who, run.slides.share) for one in slid]
