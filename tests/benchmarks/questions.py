@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from statistics import median
+from typing import Any
 
 import numpy as np
 
@@ -58,6 +59,15 @@ def limits_of(make: Callable[[], hl.Grasp], ways: np.ndarray) -> list[float]:
     return [timed(lambda way=way: make().load_limit(way).factor) for way in ways]
 
 
+class _Times(dict[str, float]):
+    """Seconds by name; what comes is printed at once, since all of it takes minutes."""
+
+    def __ior__(self, more: Any) -> Any:
+        for name, seconds in more.items():
+            print(f"{name}: {1e3 * seconds:,.3f} ms", flush=True)
+        return super().__ior__(more)
+
+
 def questions(count: int, rounds: int) -> dict[str, float]:
     """Print and return what each question costs, as multiples of a solve."""
     make, ways = make_cube(), directions(count)
@@ -72,7 +82,8 @@ def questions(count: int, rounds: int) -> dict[str, float]:
 
         return ready
 
-    times = best_times({"solve": task(lambda grasp: grasp.solve())}, 10, 10)
+    times = _Times()
+    times |= best_times({"solve": task(lambda grasp: grasp.solve())}, 10, 10)
     times |= best_times({"check, held": task(lambda grasp: grasp.check().word)}, 3 * rounds, 3)
     limits = np.min([limits_of(make, ways) for _ in range(rounds)], axis=0)
     times |= {"load_limit, median": median(limits), "load_limit, worst": float(max(limits))}
@@ -92,7 +103,7 @@ def questions(count: int, rounds: int) -> dict[str, float]:
 def contacts(rounds: int) -> dict[str, float]:
     """Print and return what thirty contacts cost as multiples of two, question by question."""
     drawn = power_grasp(CONTACTS, 0, STRONG, loaded=False)
-    many, two = drawn.factored(), bare_pinch(0.6)
+    many, two = drawn.dense(), bare_pinch(0.6)
     load = np.array((0, 0, -1.0, 0, 0, 0))
     asks = {
         "follow": lambda grasp: grasp.follow(load).held,
