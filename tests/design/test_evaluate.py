@@ -17,7 +17,13 @@ def hand(stiffness=1.0):
 
 
 def brief(**changed):
-    words = {"objects": {"box": BOX}, "loads": {"pull": PULL, "twist": TWIST}, "friction": 0.8, "safety": 1.5, "tries": 16}
+    words = {
+        "objects": {"box": BOX},
+        "loads": {"pull": PULL, "twist": TWIST},
+        "friction": 0.8,
+        "safety": 1.5,
+        "tries": 16,
+    }
     return hl.Brief(**{**words, **changed})
 
 
