@@ -9,7 +9,7 @@ import handlcp as hl
 from handlcp.design.evaluate import evaluate_worst
 
 PULL, TWIST = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.02)
-BOX = hl.Box((0.04, 0.05, 0.08), mass=0.2)
+BOX = hl.Box((0.04, 0.05, 0.08), mass=0.1)
 
 
 def hand(stiffness=1.0):
@@ -17,7 +17,13 @@ def hand(stiffness=1.0):
 
 
 def brief(**changed):
-    words = {"objects": {"box": BOX}, "loads": {"pull": PULL, "twist": TWIST}, "safety": 1.5, "tries": 64}
+    words = {
+        "objects": {"box": BOX},
+        "loads": {"pull": PULL, "twist": TWIST},
+        "friction": 0.8,
+        "safety": 1.5,
+        "tries": 16,
+    }
     return hl.Brief(**{**words, **changed})
 
 
@@ -42,12 +48,10 @@ def test_payload_and_factors_are_those_of_single_calls(found):
     assert found.verdicts == {"box": case.verdicts}
 
 
-def test_more_tries_never_hold_less():
+def test_more_tries_never_hold_less(found):
     """Of the same seed: the search goes on from where it was, and judges grasps as the brief does."""
-    hand, ball = hl.finger_hand(), {"ball": hl.Sphere(0.03, mass=0.1)}
-    asked = [brief(objects=ball, loads=None, tries=tries) for tries in (1, 2, 6)]
-    found = [hl.evaluate(hand, one) for one in asked]
-    worth = [(one.holds, one.payload if one.holds else one.factor) for one in found]
+    few = [hl.evaluate(hand(), brief(tries=tries)) for tries in (1, 4)]
+    worth = [(one.holds, one.payload if one.holds else one.factor) for one in (*few, found)]
     assert worth == sorted(worth)
     assert worth[0] < worth[-1]
 
@@ -119,7 +123,7 @@ def test_the_grasp_of_a_neighbour_is_brought_along_where_it_does_better_than_a_s
 def test_a_grasp_that_is_brought_along_is_one_candidate_more_and_never_the_only_one():
     """From longer fingers it holds three times less than what a search finds: that is there, bit by bit."""
     long, short = (hl.finger_hand(3, (length, 0.04), joint_stiffness=3.5) for length in (0.05, 0.044))
-    asked = hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, friction=0.7, tries=8)
+    asked = hl.Brief({"ball": hl.Sphere(0.03, mass=0.05)}, friction=0.7, tries=8)
     near = hl.evaluate(long, asked)
     fresh, beside = hl.evaluate(short, asked), hl.evaluate(short, asked, near)
     assert fresh.holds

@@ -9,6 +9,7 @@ import pytest
 import handlcp as hl
 from handlcp.actuation.motor import Drives
 from handlcp.errors import InputError, UnknownName
+from handlcp.grasp.verdict.check import STEPS_PER_STAGE
 from tests.design.hands import G, cube_grasp, pinch
 from tests.hand.levers import MU, L
 
@@ -81,7 +82,7 @@ def test_with_a_little_less_grip_a_load_is_lost_and_the_answer_says_which(cube):
 
 def test_each_joint_is_sized_by_the_load_that_needs_most_of_it_on_its_whole_way(cube):
     grasp, r = cube
-    paths = {name: under(grasp, name, r.grip, np.inf).follow(steps=8) for name in BRIEF}
+    paths = {name: under(grasp, name, r.grip, np.inf).follow(steps=STEPS_PER_STAGE) for name in BRIEF}
     most = np.array([abs(path.steps.torques).max(axis=0) for path in paths.values()])
     np.testing.assert_allclose(r.torques, most, rtol=1e-6)
     np.testing.assert_allclose(r.torque, most.max(axis=0), rtol=1e-5)

@@ -68,13 +68,13 @@ def test_the_stiffness_and_the_squeeze_keep_the_cube_within_a_millimetre():
 
 
 def test_the_least_pull_that_is_too_much_is_where_a_simulation_loses_the_cube():
-    """MuJoCo holds it up to 3.28 N along -x, as `tests.mujoco.limit_cases` has the load grow; sliding faster before."""
+    """MuJoCo holds it up to 3.28 N along -x, as `tests.mujoco.limit_cases` has the load grow; it slides before."""
     task = ran("how_much_does_it_hold")
     least = task["weakest"]
     assert least.wrench[0] == -1.0
     assert least.lost == pytest.approx(3.28, rel=0.03)
-    assert 0.7 * 3.28 < least.factor < least.lost
-    assert {b.kind for b in least.binds} == {"slips"}
+    assert least.factor == least.slides < least.lost
+    assert {b.kind for b in least.binds} == {"slides"}
 
 
 def test_what_the_verdict_advises_holds():
@@ -143,7 +143,7 @@ def test_the_chance_that_the_cube_is_held_is_less_than_certain_and_friction_deci
 def test_the_payload_is_held_and_a_little_more_is_not():
     task = ran("payload")
     rest, moving, grasp = task["rest"], task["moving"], task["grasp"]
-    assert rest.mass == pytest.approx(0.329, rel=1e-2)
+    assert rest.mass == pytest.approx(0.182, rel=1e-2)
     assert moving.mass == pytest.approx(rest.mass * G / (G + 5.0), rel=1e-2)  # the worst is against gravity here
     for share, holds in ((0.97, True), (1.03, False)):
         assert grasp.replace(mass=share * rest.mass, gravity=G * rest.direction).check().ok is holds
