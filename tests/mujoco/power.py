@@ -37,6 +37,7 @@ ROWS = pathlib.Path(__file__).with_name("power.json")
 FORCES, NEAR, SAME = 0.03, 0.05, 0.96
 HALF = 0.5  # of the load that is held: where forces are compared
 BEYOND, RATE = 2.0, 3.0  # times where ours ends: how far MuJoCo's load grows; [s] for each of them
+CAUGHT = 1.02  # times the load at which the path ends: what rests under it was caught
 SLOW = 10.0  # times the damping of the object, where MuJoCo is asked again
 BAND = (0.9, 1.1)  # of MuJoCo's loss: between them neither is wrong to hold the object or to drop it
 WAYS = {"+x": 0, "-x": 0, "+y": 1, "-y": 1, "+z": 2, "-z": 2}
@@ -151,13 +152,12 @@ def asked_again(case, row):
     return replace(row, slow=simulate_limit(case.make(), case.wrench, most, seconds=RATE, settings=damped).factor)
 
 
-def _ends(limit):
-    """Between which loads the object is lost, as handlcp says [N]: after a jump it may be caught again, and beyond a
-    joint's limit, or where the path was given up, nothing is claimed.
+def _ends(case, grasp, limit):
+    """Between which loads the object is lost, as handlcp says [N]: after a jump it may be caught again, which a loading
+    beyond it tells; beyond a joint's limit, or where the path was given up, nothing is claimed.
     """
     at = {name: mark.factor for name, mark in limit.marks.items() if name in ("lost", "limit", "undecided")}
-    jumps = any(event.kind == "snaps" for event in limit.events)
-    sure = set(at) == {"lost"} and not jumps
+    sure = set(at) == {"lost"} and not grasp.follow(CAUGHT * at["lost"] * case.wrench).reached
     return min(at.values(), default=np.inf), at["lost"] if sure else np.inf
 
 
@@ -231,7 +231,7 @@ def compared(case, row):
     began = perf_counter()
     limit = grasp.load_limit(case.wrench)  # goes on beyond where a contact has slid a millimetre
     took = perf_counter() - began
-    ends = _ends(limit)
+    ends = _ends(case, grasp, limit)
     slides, lost = (np.inf if value is None else value for value in (limit.slides, limit.lost))
     squeeze = apart(by_link(grasp, grasp.follow(order=("squeeze",)).solution.forces_world), row.squeezed)
     half = float("nan")
