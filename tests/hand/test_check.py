@@ -5,7 +5,7 @@ import pytest
 
 import handlcp as hl
 from tests.hand.levers import MU, C, L, lever_hand, lever_pinch
-from tests.support.texts import same, says, without_numbers
+from tests.support.texts import same, says
 
 SQUEEZE = 5.0 * C  # [m] of each lever finger: 5 N
 BALL = hl.Sphere(0.035, (0.0, 0.0, 0.07), mass=0.3)

@@ -122,7 +122,7 @@ def test_joints_that_yield_are_no_limit_and_hold_their_torque():
     assert yielding.factor > 1.0
     assert yielding.binds[0].kind == "slips"
     assert abs(yielding.path.torques).max() <= 0.16 * (1 + 1e-8)
-    beyond = saturated.follow(3.0 * np.array(wrench))  # the limit is a jump of 0.16 mm, after which two joints hold again
+    beyond = saturated.follow(3.0 * np.array(wrench))  # the limit is a jump, after which two joints hold again
     assert 3.0 * beyond.jump.share == pytest.approx(yielding.factor, rel=1e-3)
     assert any(e.kind == "holds" for e in beyond.events)
 

@@ -11,10 +11,10 @@ factor of two, MuJoCo's forces within `force_bounds` (`tests.mujoco.power_pads`)
 
 An object that jumps by a centimetre is caught again or not: statics does not know which, as that hangs on how fast it
 flies and how fast fingers follow. So where handlcp's path ends at a jump, it claims nothing beyond, and MuJoCo's loss
-may come later. Contacts may slide any distance here: MuJoCo stops at none. Where the loss is missed MuJoCo is asked a second time,
-with an object that is damped ten times as much. Where it then says something else its loss is the whole span between
-its two answers. Where handlcp's path is given up, which is said ("undecided"), or a joint is at its limit, it claims
-nothing beyond.
+may come later. Contacts may slide any distance here: MuJoCo stops at none. Where the loss is missed MuJoCo is asked a
+second time, with an object that is damped ten times as much. Where it then says something else its loss is the whole
+span between its two answers. Where handlcp's path is given up, which is said ("undecided"), or a joint is at its limit,
+it claims nothing beyond.
 """
 
 from __future__ import annotations
