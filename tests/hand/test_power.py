@@ -86,19 +86,19 @@ def test_where_the_check_refuses_the_best_the_search_goes_on(three, found, monke
 
 
 @pytest.mark.parametrize(("farther", "alike"), [(0.04, True), (0.06, False)])
-def test_an_object_that_snaps_is_held_where_twice_the_steps_lead_to_the_same_place(found, monkeypatch, farther, alike):
+def test_an_object_that_snaps_is_held_where_finer_steps_lead_to_the_same_place(found, monkeypatch, farther, alike):
     best, module = found[0], sys.modules[type(found[0]).__module__]
-    follow, steps = module.follow, list[int]()
+    follow, accuracies = module.follow, list[float]()
 
     def to_a_place_farther_away(*asked):
-        steps.append(asked[5])
+        accuracies.append(asked[7])
         path = follow(*asked)
-        return SimpleNamespace(held=path.held, steps=path.steps, displacement=(1.0 + farther) * found_at)
+        return SimpleNamespace(in_place=path.in_place, steps=path.steps, displacement=(1.0 + farther) * found_at)
 
     found_at = best.verdict.loading.displacement
     monkeypatch.setattr(module, "follow", to_a_place_farther_away)
     assert best.settles is alike
-    assert steps == [16]
+    assert accuracies == [1e-4]
 
 
 @pytest.mark.long

@@ -117,11 +117,14 @@ def test_joints_that_yield_are_no_limit_and_hold_their_torque():
     strict = ball(limits=0.16).load_limit(wrench)
     assert strict.factor == 0.0  # the squeeze alone asks for more
     assert strict.binds[0].kind == "torque"
-    yielding = ball(limits=0.16, effects=[hl.TorqueSaturation()]).load_limit(wrench)
+    saturated = ball(limits=0.16, effects=[hl.TorqueSaturation()])
+    yielding = saturated.load_limit(wrench)
     assert yielding.factor > 1.0
     assert yielding.binds[0].kind == "slips"
     assert abs(yielding.path.torques).max() <= 0.16 * (1 + 1e-8)
-    assert any(e.kind == "holds" for e in yielding.events)
+    beyond = saturated.follow(3.0 * np.array(wrench))  # the limit is a jump, after which two joints hold again
+    assert 3.0 * beyond.jump.share == pytest.approx(yielding.factor, rel=1e-3)
+    assert any(e.kind == "holds" for e in beyond.events)
 
 
 def test_many_directions_have_each_the_limit_that_it_has_alone():
