@@ -55,7 +55,7 @@ def test_a_push_counts_as_well_as_the_grip(tmp_path):
 # ---------------------------------------------------------------- by contact, and on the way
 def test_forces_may_be_given_by_contact():
     grasp = cube_grasp()
-    free = grasp.required_grip(tolerance=0.05)
+    free = grasp.required_grip(tolerance=1e-2)
     path = grasp.replace(grip_force=free.value).check().loading
     largest = path.steps.forces[:, :, 2].max(axis=0)
     thumb = grasp.fingertips[int(np.argmax(largest))]

