@@ -31,9 +31,11 @@ def what_accuracy_costs(seconds: float = 40.0, **fewer: Any) -> list[tuple[str, 
 
 
 def what_a_path_costs(**fewer: Any) -> hl.PathCost:
-    """Time against error of a path: a cube in three fingers, pulled aside; `fewer` goes to `hl.path_cost`."""
-    cube = scene.load(HERE / "cube_three_fingers.toml").build()
-    return hl.path_cost(cube, (0.3, 0.9, 0.3, 0, 0, 0), **fewer)
+    """Time against error of a path: a can in five soft fingers, pulled aside; `fewer` goes to `hl.path_cost`."""
+    can = hl.Cylinder(0.027, 0.068, placement=(0, 0, 0.069), mass=0.5)
+    hand = hl.example_hand("five_finger", joint_stiffness=12.0, pad_flexibility=5e-5)
+    grasp = hand.at(hand.close_on(can)).grasp(can, hl.SoftFinger(0.9, 0.004), squeeze=0.004)
+    return hl.path_cost(grasp, (0, 1, 0, 0, 0, 0), **fewer)
 
 
 def write(costs: list[tuple[str, hl.AccuracyCost]], path: hl.PathCost, folder: Path, out: Console) -> list[Path]:
@@ -43,11 +45,11 @@ def write(costs: list[tuple[str, hl.AccuracyCost]], path: hl.PathCost, folder: P
         for table in all_tables(cost):
             out.print(table)
         out.print(f"{cost.summary}.", end="\n\n", highlight=False)
-    out.print("A path: the cube in three fingers, pulled along (0.3, 0.9, 0.3)", style="bold", end="\n\n")
+    out.print("A path: a can in five soft fingers, pulled along y", style="bold", end="\n\n")
     out.print(str(path), end="\n\n", highlight=False)
     return [
         save(costs, folder / "accuracy_cost.png"),
-        path.plot(folder / "path_cost.png", title="What accuracy costs on a path: a cube pulled aside"),
+        path.plot(folder / "path_cost.png", title="What accuracy costs on a path: a can pulled aside"),
     ]
 
 
