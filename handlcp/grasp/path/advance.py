@@ -478,8 +478,10 @@ class Leg:
     def _crossing(
         self, state: State, found: State, share: float, size: float, over: Callable[[State], float]
     ) -> tuple[float, State]:
-        """The step up to where a function of its end, negative at its beginning, is zero, by regula falsi."""
-        low, high, a, b, best = 0.0, 1.0, min(over(state), -_ON), over(found), found
+        """The step up to where a function of its end, negative at its beginning, is zero, by regula falsi; to just
+        beyond it where no shorter step that is tried has a solution.
+        """
+        low, high, a, b, best, beyond = 0.0, 1.0, min(over(state), -_ON), over(found), found, found
         for _ in range(_HALVED):
             part = low + (high - low) * min(max(-a / (b - a), 0.02), 0.98) if b > a else 0.5 * (low + high)
             at = self._at(state, found, share, size, part)
@@ -487,13 +489,13 @@ class Leg:
                 break
             value = over(at)
             if value > 0.0:
-                high, b = part, value
+                high, b, beyond = part, value, at
             else:
                 low, a, best = part, value, at
             if abs(value) < _ON or high - low < 1e-9:
                 best, low = at, part
                 break
-        return low * size, best
+        return (low * size, best) if low > 0.0 else (high * size, beyond)
 
     def _add(self, found: State, share: float, error: float = 0.0) -> bool:
         """Whether anything happens on the way to this state. error : of the step, estimated."""
