@@ -195,12 +195,9 @@ def explain_limit(
     return f"it holds nothing of this load: {text.replace('more load', 'it')}"
 
 
-def describe_slip(names: Sequence[str], slipped: Array, most: Array) -> str:
-    """Which contacts have slid as far as they may, such as "finger_1 has slid 1 mm". slipped, most (n,) [m]."""
-    share = slipped / most
-    who = [k for k, one in enumerate(share.tolist()) if one >= (1.0 - 1e-3) * share.max()]
-    far = words.format_length(float(slipped[who].max()))
-    return f"{words.join_names([names[k] for k in who])} {'has' if len(who) == 1 else 'have'} slid {far}"
+def describe_slip(names: Sequence[str], far: float) -> str:
+    """That contacts have slid so far [m], such as "finger_1 has slid 1 mm"."""
+    return f"{words.join_names(names)} {'has' if len(names) == 1 else 'have'} slid {words.format_length(far)}"
 
 
 def describe_own_wrench(spec: GraspSpec) -> str:

@@ -369,15 +369,15 @@ class Leg:
         friction pushes, and ends along where it pushes then; of both its way is the mean (trapezoidal rule).
         """
         found = self.stepper.step(state, controls, guess)
-        if isinstance(found, Failure) or not (state.slides and found.slides) or self.beyond_face(state, found):
+        if isinstance(found, Failure) or not (state.slides and found.slides) or self._keeps_direction(state, found):
             return found
         push = self.stepper.friction_shares(state)
         slides = np.array([a == SLIDES == b for a, b in zip(state.kinds, found.kinds, strict=True)])
         past = 0.5 * self.stepper.slip_toward(-push, found) * slides[:, None]
-        better = self.stepper.step(state, controls, _part(self.stepper, found, found, 1.0), None, 1.0, past)
+        better = self.stepper.step(state, controls, found.same, None, 1.0, past)
         return found if isinstance(better, Failure) or better.kinds != found.kinds else better
 
-    def beyond_face(self, state: State, found: State) -> bool:
+    def _keeps_direction(self, state: State, found: State) -> bool:
         """Whether no contact's direction of slip can turn in a step: friction sets have flat faces."""
         shares = self.stepper.friction_shares
         return bool(self.stepper.on_same_face(shares(state), shares(found)).all())

@@ -26,7 +26,7 @@ from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.advance import PATIENT, Patience, advance, read_accuracy
 from handlcp.grasp.path.events import Event, Summary, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
-from handlcp.grasp.path.state import Controls, Goal, Jump, Run, Slides, State, read_stages
+from handlcp.grasp.path.state import Controls, Goal, Jump, Run, Slides, State, first_of, read_stages
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.grasp.path.trajectory import Steps
@@ -101,8 +101,7 @@ class Loading(Record):
     @property
     def gives_way(self) -> Slides | Jump | None:
         """Where the object begins to leave its place: a contact has slid too far, or it snaps; None: nowhere."""
-        found = [one for one in (self.slides, self.jump) if one is not None]
-        return min(found, key=lambda one: (one.stage, one.share), default=None)
+        return first_of(self.slides, self.jump)
 
     @property
     def word(self) -> str:
@@ -134,7 +133,9 @@ class Loading(Record):
         """Which contacts slide too far first, in words; "" for none."""
         if self.slides is None:
             return ""
-        return describe_slip(self.steps.names, self.steps.slipped[self.slides.number], self.max_slip)
+        slipped = self.steps.slipped[self.slides.number]
+        who = np.flatnonzero(is_at_max_slip(slipped, self.max_slip))
+        return describe_slip([self.steps.names[k] for k in who], float(slipped[who].max()))
 
     @property
     def _over(self) -> list[str]:

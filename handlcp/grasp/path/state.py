@@ -290,6 +290,12 @@ class Jump(NamedTuple):
     number: int
 
 
+def first_of(slides: Slides | None, jump: Jump | None) -> Slides | Jump | None:
+    """Which comes first; None: neither comes."""
+    found = [one for one in (slides, jump) if one is not None]
+    return min(found, key=lambda one: (one.stage, one.share), default=None)
+
+
 @dataclass(slots=True)
 class Run:
     """states, stages (number of the stage) and shares of all steps, the state before anything included; slipped (n,) of
@@ -319,8 +325,7 @@ class Run:
     @property
     def gives_way(self) -> Slides | Jump | None:
         """Where the object begins to leave its place, the first of both; None: nowhere."""
-        found = [one for one in (self.slides, self.jump) if one is not None]
-        return min(found, key=lambda one: (one.stage, one.share), default=None)
+        return first_of(self.slides, self.jump)
 
     def back_to(self, count: int) -> None:
         """Without the states after so many, and what happens on the way to them."""
