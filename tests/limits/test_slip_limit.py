@@ -104,4 +104,4 @@ def test_a_crossing_is_at_the_end_of_its_step_where_no_shorter_step_has_a_soluti
     """Else the step would have no length, and the object no speed."""
     leg = object.__new__(Leg)
     monkeypatch.setattr(leg, "_at", lambda *_: Failure(PathStatus.NO_FORCES), raising=False)
-    assert leg._crossing("before", "beyond", 0.0, 0.5, {"before": -1.0, "beyond": 1.0}.__getitem__) == (0.5, "beyond")
+    assert leg.crossing("before", "beyond", 0.0, 0.5, {"before": -1.0, "beyond": 1.0}.__getitem__) == (0.5, "beyond")

@@ -180,12 +180,12 @@ class Leg:
             if breaks:
                 return self._breaks(found, share + size, found if measured(found) else unstable)
         if self.beyond is not None and self.beyond.over(found) > 0.0:
-            size, found = self._crossing(state, found, share, size, self.beyond.over)
+            size, found = self.crossing(state, found, share, size, self.beyond.over)
             self._add(found, share + size, error)
             return run.ends(PathStatus.LIMIT)
         slides = self.loads and run.slides is None and self._slid_too_far(found) > 0.0
         if slides:
-            size, found = self._crossing(state, found, share, size, self._slid_too_far)
+            size, found = self.crossing(state, found, share, size, self._slid_too_far)
         self.speed = self.stepper.far(state.where.pose, found.where.pose) / size
         self.share = share = share + size
         happens = self._add(found, share, error)
@@ -475,7 +475,7 @@ class Leg:
             self.run.jump = Jump(self.number, self.share, len(self.run.states) - 1)
         return self.beyond is not None and self.run.jump is not None
 
-    def _crossing(
+    def crossing(
         self, state: State, found: State, share: float, size: float, over: Callable[[State], float]
     ) -> tuple[float, State]:
         """The step up to where a function of its end, negative at its beginning, is zero, by regula falsi; to just
