@@ -29,6 +29,7 @@ from handlcp.grasp.path.linearise import (
     GeometryArrays,
     HandArrays,
     Placed,
+    Poses,
     Supports,
     geometry_of_hand,
     linearise,
@@ -73,6 +74,8 @@ class MovingHandGeometry(Geometry):
         self._supports = self._read_supports()
         self._radius = np.sqrt(((spec.positions - self._centre) ** 2).sum(axis=1)) + 1e-9
         self._axes = np.tile(np.eye(3), (self.n, 1, 1))
+        axes = np.eye(3) if self.object is None else np.array(self.object.frame[0])
+        self.poses = Poses(True, self.n, self._reference, np.array(self._centre), np.ascontiguousarray(axes))
         self.arrays = self._read_arrays()
         self.quick = self.k == self.n and isinstance(self._find, SweptBallFinder)
         self._none = np.zeros(hand.nv)
@@ -121,7 +124,7 @@ class MovingHandGeometry(Geometry):
             kinematics.tree, kinematics.tip_placements(self._frames), self._support, self._pads,
             self._compliance_factor, gravity, self._body, swept, given, self._supports, self._radius,
         )  # fmt: skip
-        return geometry_of_hand(hand)
+        return geometry_of_hand(self.poses, hand)
 
     def _open_posture(self, there: Iterate) -> Array:
         """(nv,) the posture, opened joint by joint until overlapping fingertips touch, as far as joints can."""

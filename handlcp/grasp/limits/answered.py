@@ -37,7 +37,7 @@ from handlcp.grasp.path.advance import Leg
 from handlcp.grasp.path.follow import Loading, solution_of
 from handlcp.grasp.path.state import LET_GO, Run, State
 from handlcp.grasp.path.step import Stepper
-from handlcp.grasp.path.watch import is_at_max_slip, margins
+from handlcp.grasp.path.watch import is_at_max_slip
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
@@ -189,7 +189,7 @@ def slid_contacts(names: Sequence[str], shares: Array) -> tuple[FailureMode, ...
 
 def _about_to_slip(f: Followed, state: State) -> tuple[FailureMode, ...]:
     """Contacts whose friction is all but used up."""
-    left, normal = margins(f.stepper, state)[:, 0], state.read.forces[:, 2]
+    left, normal = f.leg.margins(state)[:, 0], state.read.forces[:, 2]
     pressed = normal > _AT * max(float(normal.max(initial=0.0)), 1e-300)
     near = pressed & (left <= _NEAR * f.stepper.friction * normal)
     return tuple([FailureMode(SLIPS, name) for name, slips in zip(f.spec.names, near.tolist(), strict=True) if slips])

@@ -14,23 +14,20 @@ from handlcp.grasp.failure.failure_mode import (
     EQUILIBRIUM,
     OBJECT,
     FailureMode,
-    StateLimits,
     find_exceeded_closing,
-    limit_shares,
     state_limits,
 )
 from handlcp.grasp.limits.answered import OWN_WRENCH, Followed, answer as answered, nothing, slid_contacts
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import PathStatus
-from handlcp.grasp.path.advance import ACCURACY, PATIENT, Leg, Open, Patience, advance
+from handlcp.grasp.path.advance import ACCURACY, PATIENT, Bounds, Leg, Open, Patience, advance
 from handlcp.grasp.path.follow import TOLERANCE, begun, geometry_of, loading_of
 from handlcp.grasp.path.state import STILL, Goal, Run, Stage, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.path.watch import MAX_SLIP, watch_of
 from handlcp.grasp.verify.static_load_bound import static_load_bounds
-from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 _STEPS = 2  # of squeeze and weight
 _FIRST = 0.1  # of the load that is as large as the forces before it: the first step
@@ -114,18 +111,10 @@ class Before:
             spec, motion=self._allowed[:2], ranges=follows, nominal=start.where.q if follows else None
         )
 
-        # What is at its limit already before the load comes ends the path only where it goes beyond the limit
-        stands_at = _used(stepper, limits, at, start) > 1.0 - OVER_LIMIT_TOLERANCE
-
-        def beyond(state: State) -> float:
-            share = _used(stepper, limits, at, state) - 1.0
-            return float(np.nanmax(np.where(stands_at & (share <= OVER_LIMIT_TOLERANCE), -1.0, share), initial=-1.0))
-
         run = Run.beginning_at(start, before.slipped[-1])
         goal = Goal(self._goals[-1].name, self._goals[-1].end._replace(load=self._beside + wrench))
-        grows = Open(_FIRST * size, min(_RAY * size, until), beyond)
-        leg = Leg(stepper, self._watch, run, 0, goal, 1.0, grows, self._accuracy)
-        leg.patience = self._patience
+        grows = Open(_FIRST * size, min(_RAY * size, until), Bounds(limits, at, start))
+        leg = Leg(stepper, self._watch, run, 0, goal, 1.0, grows, self._accuracy, self._patience)
         leg.through(pause=True)
         slid = None
         if before.slides is not None and before.gives_way is before.slides:
@@ -173,8 +162,3 @@ def _as_large(stepper: Stepper, start: State, wrench: Array) -> float:
     load = float(np.sqrt(wrench[:3] @ wrench[:3] + wrench[3:] @ wrench[3:] / stepper.length**2))
     forces = float(np.linalg.norm(start.read.forces, axis=1).sum())
     return (forces or 0.01 * stepper.stiffness * stepper.length) / load
-
-
-def _used(stepper: Stepper, limits: StateLimits, at: Array, state: State) -> Array:
-    moved = stepper.geometry.displacement(state.where.pose) - at
-    return limit_shares(limits, state.efforts, state.where.q, moved)

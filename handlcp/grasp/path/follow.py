@@ -371,7 +371,7 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section, 
             f"given up in stage {stage!r} at {words.format_percent(share)}: {explain_giving_up(run.status, run.who)}"
         )
     elif lost:
-        going = stepper.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None
+        going = stepper.geometry.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None
         if run.status == PathStatus.UNSTABLE:
             going = np.array(run.snaps[-1].pushed)
         why = explain_loss(run.status, spec, last.kinds, going, goals[number].end.kept)

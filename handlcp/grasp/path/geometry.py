@@ -21,6 +21,7 @@ from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.linearise import (
     GeometryArrays,
     Placed,
+    Poses,
     PostureArrays,
     geometry_of_posture,
     linearise,
@@ -78,7 +79,8 @@ class Geometry:
     """What moves where. start : the configuration before anything is loaded. follows : whether contacts move.
     weighs : whether the fingers' weight is asked for. noise : of the contacts, as a share of their radii.
     quick : whether contacts are known in closed form, so that a path takes a tenth of a second.
-    arrays : the same as compiled code reads it, with which whole steps run in one call; None: steps call the methods.
+    arrays : the same as compiled code reads it, with which whole paths run in one call; None: steps call the methods.
+    poses : how compiled code reads configurations.
     posture (nv,) : from which commands of the joints are counted; apart (n, 3) : the part of the grasp's offsets there
     that the geometry itself knows of: gaps and overlaps [m].
     """
@@ -90,6 +92,7 @@ class Geometry:
     weighs: bool
     noise: float = 0.0
     quick: bool = True
+    poses: Poses
     arrays: GeometryArrays | None = None
 
     def mechanism(self, iterate: Iterate) -> Mechanism | None:
@@ -132,7 +135,7 @@ class Geometry:
         """(6,) motion of the object since the start: of the reference point [m], and the rotation vector [rad]."""
         raise NotImplementedError
 
-    # ---- the same as rows of numbers, for geometries with `arrays`
+    # ---- the same as rows of numbers
     def pose_row(self, pose: Any) -> Array:
         """A pose as `linearise` reads it."""
         raise NotImplementedError
@@ -231,13 +234,15 @@ class FixedGeometry(Geometry):
         weighs = np.zeros(6) if mechanism is None else mechanism.weight_of_object(spec.reference)
         size = float(weighs[:3] @ weighs[:3])  # any point on the line of the weight will do
         arm = np.cross(weighs[:3], weighs[3:]) / size if size else np.zeros(3)
+        self.poses = Poses(False, n, np.array(spec.reference), np.array(spec.reference), np.eye(3))
         self.arrays = geometry_of_posture(
+            self.poses,
             PostureArrays(
                 rates, self.apart[:, 2].copy(),
                 Touch(spec.positions.copy(), normals, np.zeros(n), spec.positions.copy(), still, still),
                 Moving(np.zeros((0, 6)), np.zeros((0, 0)), np.zeros((0, 0))), spec.frames.copy(), elastic,
                 np.array(spec.reference), arm, np.full(n, np.inf),
-            )
+            ),
         )  # fmt: skip
         self.posture = read_only(np.zeros(nv))
         self.start = Where(self.posture, np.zeros((n, 3)), np.zeros(n), np.zeros(6))

@@ -110,10 +110,23 @@ class PostureArrays(NamedTuple):
     radius: Array
 
 
-class GeometryArrays(NamedTuple):
-    """A geometry that is known in closed form. follows : whether contacts move, and `hand` says how; else `posture`."""
+class Poses(NamedTuple):
+    """How configurations of n contacts are read. follows : whether contacts move. reference (3,) : the object's point
+    that loads refer to; centre (3,) : the point that moves straight from one pose to another [m]; axes (3, 3) : the
+    object's own. All at the start.
+    """
 
     follows: bool
+    n: int
+    reference: Array
+    centre: Array
+    axes: Array
+
+
+class GeometryArrays(NamedTuple):
+    """A geometry that is known in closed form. Where contacts move, `hand` says how; else `posture`."""
+
+    poses: Poses
     hand: HandArrays
     posture: PostureArrays
 
@@ -166,20 +179,20 @@ NO_POSTURE = PostureArrays(
 )  # fmt: skip
 
 
-def geometry_of_hand(hand: HandArrays) -> GeometryArrays:
+def geometry_of_hand(poses: Poses, hand: HandArrays) -> GeometryArrays:
     """The geometry of a hand that moves its contacts."""
-    return GeometryArrays(True, hand, NO_POSTURE)
+    return GeometryArrays(poses, hand, NO_POSTURE)
 
 
-def geometry_of_posture(posture: PostureArrays) -> GeometryArrays:
+def geometry_of_posture(poses: Poses, posture: PostureArrays) -> GeometryArrays:
     """The geometry of contacts that stay."""
-    return GeometryArrays(False, NO_HAND, posture)
+    return GeometryArrays(poses, NO_HAND, posture)
 
 
 @kernel
-def read_place(g: GeometryArrays, where: Array) -> Place:
+def read_place(s: Poses, where: Array) -> Place:
     """A configuration, from its row."""
-    n, p = len(g.hand.radius) + len(g.posture.radius), 12 if g.follows else 6
+    n, p = s.n, 12 if s.follows else 6
     nv = len(where) - 4 * n - p
     give = where[nv : nv + 3 * n].reshape(n, 3)
     return Place(where[:nv], give, where[nv + 3 * n : nv + 4 * n], where[nv + 4 * n :])
@@ -189,7 +202,7 @@ def read_place(g: GeometryArrays, where: Array) -> Place:
 def new_contacts(g: GeometryArrays) -> Contacts:
     """Arrays that `linearise` can write to; what it never changes is the geometry's own."""
     h, f, none = g.hand, g.posture, np.zeros((0, 0))
-    if not g.follows:
+    if not g.poses.follows:
         n = len(f.radius)
         touch = Touch(f.touch.positions, f.touch.normals, np.empty(n), f.touch.places, f.touch.turn, f.touch.shift)
         axes = np.zeros((n, 3, 3))
@@ -217,8 +230,8 @@ def linearise(g: GeometryArrays, where: Array, out: Contacts) -> None:
     """Write the contacts in a configuration. Frames that stand in `out` turn from there, as little as they can; those
     of contacts that stay are not written.
     """
-    at = read_place(g, where)
-    if g.follows:
+    at = read_place(g.poses, where)
+    if g.poses.follows:
         _linearise_hand(g.hand, at, out)
     else:
         _linearise_posture(g.posture, at, out)
@@ -344,7 +357,7 @@ def slip_between(g: GeometryArrays, a: Placed, b: Placed, at: Place, to: Place, 
     """(n, 3) how far the object has moved past the fingertips' surfaces from contacts a to b: along x and y [m], and
     turned about z [rad], less slip_memory (n, 3). at, to : their configurations.
     """
-    if not g.follows:
+    if not g.poses.follows:
         return b.slips - a.slips - slip_memory
     A = MovingBodies(at.pose[:9].reshape(3, 3), at.pose[9:], a.axes, a.places)
     B = MovingBodies(to.pose[:9].reshape(3, 3), to.pose[9:], b.axes, b.places)
@@ -355,43 +368,41 @@ def slip_between(g: GeometryArrays, a: Placed, b: Placed, at: Place, to: Place, 
 
 
 @kernel
-def move_pose(g: GeometryArrays, pose: Array, twist: Array, centre: Array, out: Array) -> None:
+def move_pose(s: Poses, pose: Array, twist: Array, centre: Array, out: Array) -> None:
     """Write the pose after a small motion (6,) about a point (3,)."""
-    if g.follows:
+    if s.follows:
         R, t = compose_motion(pose[:9].reshape(3, 3), pose[9:], twist, centre)
         out[:9], out[9:] = R.reshape(9), t
         return
     for a in range(3):
         b, c = (a + 1) % 3, (a + 2) % 3
-        arm, beside = g.posture.reference[b] - centre[b], g.posture.reference[c] - centre[c]
+        arm, beside = s.reference[b] - centre[b], s.reference[c] - centre[c]
         out[a] = pose[a] + twist[a] + twist[3 + b] * beside - twist[3 + c] * arm
         out[3 + a] = pose[3 + a] + twist[3 + a]
 
 
 @kernel
-def pose_difference(g: GeometryArrays, a: Array, b: Array) -> Array:
+def pose_difference(s: Poses, a: Array, b: Array) -> Array:
     """(6,) of the object from pose a to pose b: of its reference point [m], and turned [rad], world axes."""
-    if not g.follows:
+    if not s.follows:
         return b - a
-    return motion_between(a[:9].reshape(3, 3), a[9:], b[:9].reshape(3, 3), b[9:], g.hand.body.reference)
+    return motion_between(a[:9].reshape(3, 3), a[9:], b[:9].reshape(3, 3), b[9:], s.reference)
 
 
 @kernel
-def pose_displacement(g: GeometryArrays, pose: Array) -> Array:
+def pose_displacement(s: Poses, pose: Array) -> Array:
     """(6,) motion of the object since the start: of its reference point [m], and the rotation vector [rad]."""
-    if not g.follows:
+    if not s.follows:
         return pose.copy()
-    return point_displacement(pose[:9].reshape(3, 3), pose[9:], g.hand.body.reference)
+    return point_displacement(pose[:9].reshape(3, 3), pose[9:], s.reference)
 
 
 @kernel
-def place_between(g: GeometryArrays, a: Array, b: Array, share: float, out: Array) -> None:
+def place_between(s: Poses, a: Array, b: Array, share: float, out: Array) -> None:
     """Write the configuration at this share of the way from a to b, beyond b above 1."""
     for k in range(len(out)):
         out[k] = a[k] + share * (b[k] - a[k])
-    if g.follows:
+    if s.follows:
         p, q = a[len(a) - 12 :], b[len(b) - 12 :]
-        R, t = extrapolate_motion(
-            p[:9].reshape(3, 3), p[9:], q[:9].reshape(3, 3), q[9:], g.hand.body.centre, share - 1.0
-        )
+        R, t = extrapolate_motion(p[:9].reshape(3, 3), p[9:], q[:9].reshape(3, 3), q[9:], s.centre, share - 1.0)
         out[len(out) - 12 : len(out) - 3], out[len(out) - 3 :] = R.reshape(9), t

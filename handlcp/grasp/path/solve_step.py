@@ -54,12 +54,14 @@ _OPEN, _SLIDES, _GLIDES = int(SEPARATED), int(SLIDING), int(ContactStatus.GLIDIN
 
 class Preloads(NamedTuple):
     """What preloads and offsets put between object and fingertips. given (n, 3) [m] : at preload 1; fades (n,) [m] :
-    what fades in with the squeeze, of overlaps and of gaps that just touch. acts : whether there is anything.
+    what fades in with the squeeze, of overlaps and of gaps that just touch. acts : whether there is anything. touches
+    [m] : gap or overlap of contacts that just touch.
     """
 
     given: Array
     fades: Array
     acts: bool
+    touches: float
 
 
 class Sizes(NamedTuple):
@@ -107,16 +109,16 @@ class StepOptions(NamedTuple):
 
 class StateRow(RowLayout):
     """Where the numbers of a state stand in their row. n contacts, nv joints, c force components, dof : of the object;
-    pose : numbers of its pose.
+    pose : numbers of its pose; t tendons.
     """
 
-    def __init__(self, n: int, nv: int, c: int, dof: int, pose: int) -> None:
+    def __init__(self, n: int, nv: int, c: int, dof: int, pose: int, t: int) -> None:
         shapes: dict[str, tuple[int, ...]] = {
             "where": (nv + 4 * n + pose,), "at": (nv + 4 * n + pose,), "positions": (n, 3), "frames": (n, 3, 3),
             "axes": (n, 3, 3), "places": (n, 3), "slips": (n, 3), "base": (n, 3), "since": (n,),
             "slip_memory": (n, 3), "forces": (n, 3), "motion": (n, 3), "torsion": (n,), "spin": (n,), "torque": (nv,),
             "deflection": (nv,), "kinds": (n,), "start": (2 * c + 9,), "met": (dof, dof), "controls": (9 + nv,),
-            "tally": (2,),
+            "tally": (4,), "tension": (t,), "slack": (t,), "yielded": (nv,),
         }  # fmt: skip
         super().__init__(shapes)
 
@@ -124,7 +126,8 @@ class StateRow(RowLayout):
 class StateArrays(NamedTuple):
     """A state: views into its row, in this order. where : its configuration; at : that of the contacts as the step was
     solved with them, of which positions to slips tell where they were (`Placed`). base (n, 3), since (n,) : of `Loads`.
-    tally (2,) : of iterates, and 1 where `met` was measured. All else as in `State`.
+    tally (4,) : of iterates; 1 where `met` was measured; 1 where there is a start; the number that Python knows the
+    state by. tension, slack (t,) : of tendons; yielded (nv,) : as in `State`, and so is all else.
     """
 
     where: Array
@@ -148,6 +151,9 @@ class StateArrays(NamedTuple):
     met: Array
     controls: Array
     tally: Array
+    tension: Array
+    slack: Array
+    yielded: Array
 
 
 @kernel
@@ -179,6 +185,9 @@ def read_state(row: Array, s: Ints) -> StateArrays:
         row[s[18] : s[19]].reshape(dof, dof),
         row[s[19] : s[20]],
         row[s[20] : s[21]],
+        row[s[21] : s[22]],
+        row[s[22] : s[23]],
+        row[s[23] : s[24]],
     )
 
 
@@ -193,23 +202,29 @@ def solve_step(
     """Write the state under other controls, from the state `before`; whether it settles, as a `PathStatus`: REACHED, or
     why not. guess : a configuration near its end; start (2c + 9,) : as in `Reached`.
     """
-    g, sizes, old, end = m.geometry, m.sizes, read_state(before, m.state), read_state(row, m.state)
+    g, poses, sizes, old, end = (
+        m.geometry,
+        m.geometry.poses,
+        m.sizes,
+        read_state(before, m.state),
+        read_state(row, m.state),
+    )
     n, near = len(old.kinds), asked.rough * sizes.tolerance
     loaded, kinds = is_loaded(old.kinds), old.kinds.astype(np.int64)
     contacts, slow, pads = new_contacts(g), 1.0 / asked.h, 1.0 / asked.h if asked.slow_pads else 0.0
     damper = KEPT * m.damper if controls[8] != 0.0 else m.damper / asked.h
-    was, stood = read_place(g, old.where), read_place(g, old.at)
+    was, stood = read_place(poses, old.where), read_place(poses, old.at)
     placed = Placed(old.positions, old.frames, old.axes, old.places, old.slips)
     preload, commanded = preload_offsets(m.preloads, controls[7], old.controls[7]), m.posture + controls[9:]
     load, weight = controls[:6].copy(), controls[6] * m.weight
     where, answer = guess.copy(), np.empty(m.answer[-1])
     swing, last = np.zeros(8), np.inf
     found = read_answer(answer, m.answer)
-    if g.follows:
+    if poses.follows:
         contacts.frames[:] = old.frames
     for count in range(1, MAX_ITERATES + 1):
         linearise(g, where, contacts)
-        at = read_place(g, where)
+        at = read_place(poses, where)
         now = Placed(contacts.touch.positions, contacts.frames, contacts.axes, contacts.touch.places, contacts.slips)
         slipped = slip_between(g, placed, now, stood, at, old.slip_memory)
         if len(asked.past) > 0:
@@ -221,40 +236,42 @@ def solve_step(
             base, slipped[:, 2].copy(), at.give, at.turn, commanded - at.q, load, contacts.reference, weight,
             contacts.mass_at,
         )  # fmt: skip
-        done = pose_difference(g, was.pose, at.pose)
+        done = pose_difference(poses, was.pose, at.pose)
         damping = Damping(slow, pads, damper, done, was.q - at.q, was.give - at.give, was.turn - at.turn)
-        radius = g.hand.radius if g.follows else g.posture.radius
+        radius = g.hand.radius if poses.follows else g.posture.radius
         situation = Situation(
             contacts.touch, contacts.frames, contacts.moving, contacts.elastic, loads, slipped, radius, damping
         )
-        measured = near if g.follows else -1.0
+        measured = near if poses.follows else -1.0
         if not answer_iterate(situation, m.rules, m.by_contact, start, loaded, kinds, measured, m.answer, answer):
             return _NO_FORCES
-        to = read_place(g, end.where)
+        to = read_place(poses, end.where)
         to.q[:], to.give[:], to.turn[:] = at.q + found.change, found.give, found.turn
-        move_pose(g, at.pose, found.twist, found.centre, to.pose)
+        move_pose(poses, at.pose, found.twist, found.centre, to.pose)
         start = found.start.copy()  # the next answer is written over it
-        moved = pose_difference(g, was.pose, to.pose)
+        moved = pose_difference(poses, was.pose, to.pose)
         free = not (load.any() or weight.any())
-        judged = judge_iterate(sizes, m.damper, g.follows, answer[1], near, last, count, moved, found.forces, free)
+        judged = judge_iterate(sizes, m.damper, poses.follows, answer[1], near, last, count, moved, found.forces, free)
         if judged == SETTLED:
             end.at[:] = where
             end.positions[:], end.frames[:] = contacts.touch.positions, contacts.frames
             end.axes[:], end.places[:], end.slips[:] = contacts.axes, contacts.touch.places, contacts.slips
             end.base[:], end.since[:], end.slip_memory[:] = base, loads.spin, found.slip_memory
             end.deflection[:], end.controls[:] = commanded - to.q, controls
-            end.tally[0], end.tally[1] = count, answer[2]
+            end.tally[:] = 0.0
+            end.tally[0], end.tally[1], end.tally[2] = count, answer[2], 1.0
+            end.yielded[:] = 0.0
             _write_response(found, asked.past, is_pushed_ahead(sizes, found.forces), end)
             return SETTLED
         if judged != GOES_ON:
             return judged
-        share = relax_share(swing, pose_displacement(g, to.pose) - pose_displacement(g, at.pose))
+        share = relax_share(swing, pose_displacement(poses, to.pose) - pose_displacement(poses, at.pose))
         if share == 1.0:
             last = answer[1]
             where[:] = end.where
         else:
             last = max(answer[1], last)
-            place_between(g, where.copy(), end.where, share, where)
+            place_between(poses, where.copy(), end.where, share, where)
     return _RUNS_AWAY
 
 

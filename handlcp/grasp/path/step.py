@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, Bools, read_only
-from handlcp.contact.friction import Section, limit_set
+from handlcp.check import Array, read_only
+from handlcp.contact.friction import Section
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import ContactStatus, PathStatus, shown_statuses
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
@@ -29,7 +29,6 @@ from handlcp.grasp.path.solve_step import (
     GOES_ON,
     KEPT,
     MAX_ITERATES,
-    NO_FORCE,
     PRESSED,
     SETTLED,
     Sizes,
@@ -37,10 +36,8 @@ from handlcp.grasp.path.solve_step import (
     StepModel,
     StepOptions,
     answer_iterate,
-    damper_share,
     is_pushed_ahead,
     judge_iterate,
-    pose_distance,
     relax_share,
     solve_once,
     solve_step,
@@ -54,8 +51,6 @@ from handlcp.lcp import Auto
 # h of a quasi-static step: its damper takes 1e-8 of the forces that such a motion would need, so that a state passes
 # the certifier, and closed forms are met to nine digits
 _SLOW = 1e8
-_FREE = 1e4  # h of a step that pushes an object which nothing holds
-_LITTLE = 1e-4  # of the contacts' distances: a slip that is expected, and not known
 _ALL = Auto(search_seconds=0.0)
 _CLOSE_BY = 1e-3  # [rad, m] from where a path ends to where a tendon crosses: it ends for that reason
 _NOWHERE = np.zeros(0)
@@ -128,8 +123,8 @@ class StepState(State):
 
     @lazy_property
     def start(self) -> Array:
-        """Where the next solve begins."""
-        return self._read("start")
+        """Where the next solve begins; empty where nothing was solved."""
+        return self._read("start") if self._read("tally")[2] else _NOWHERE
 
     @lazy_property
     def iterates(self) -> int:
@@ -172,28 +167,32 @@ class Stepper:
         softness = softness_of(self.first.elastic)
         self.length = length_of(self.first.positions)
         self.stiffness = 1.0 / float(softness.mean()) if softness.any() else 1.0
-        self._damper = self.stiffness * np.array([1.0] * 3 + [self.length**2] * 3)
-        self._sizes = Sizes(self.length, self.stiffness, self.tolerance, self.slow)
+        self.damper = self.stiffness * np.array([1.0] * 3 + [self.length**2] * 3)
+        self.sizes = Sizes(self.length, self.stiffness, self.tolerance, self.slow)
         laws = [c.friction for c in spec.contacts]
         self.friction, self.still = self.laws.friction_coefficients, read_only(np.zeros(len(self.first.at.q)))
         self.joints = _joints(spec, geometry, self.first.elastic.compliance_factor)
+        at_rest = self.spring_torque(np.zeros(len(self.still)))
+        rate = self.spring_torque(np.ones(len(self.still))) - at_rest
+        self.springs = np.array([at_rest, rate])  # torque of springs beside drives at q = 0, and how fast it grows
         self.lever = np.array([1.0 / law.lever if law.lever > 0.0 else 0.0 for law in laws])
-        self._model = self._step_model(weight)
+        pose, dof = len(geometry.pose_row(geometry.start.pose)), self.laws.pattern.dof
+        tendons = 0 if self.joints is None else len(self.joints.cables.names)
+        self.layout = StateRow(spec.n, len(self.still), len(self.laws.laws.scale), dof, pose, tendons)
+        self.compiled = self._step_model(weight)
 
     def _step_model(self, weight: Array) -> StepModel | None:
         """All that the steps have in common, as compiled code reads it; None: a step needs Python for what the grasp's
         user brings, for effects with limits that give way, or for joints with friction and tendons.
         """
-        arrays, laws, still = self.geometry.arrays, self.laws, self.still
+        arrays, laws = self.geometry.arrays, self.laws
         if arrays is None or self.grasp.general or self.joints is not None:
             return None
-        pose, dof = len(self.geometry.pose_row(self.geometry.start.pose)), laws.pattern.dof
-        self.layout = StateRow(self.grasp.spec.n, len(still), len(laws.laws.scale), dof, pose)
         no_extra, giving = laws.nothing_added
         rules = Rules(laws.laws, laws.friction_coefficients, no_extra, giving, laws.yields, laws.pattern)
         return StepModel(
-            arrays, rules, self.grasp.preloads, np.array(self.grasp.posture), np.array(weight), self._damper,
-            self._sizes, laws.by_contact, self.layout.starts, laws.answer.starts,
+            arrays, rules, self.grasp.preloads, np.array(self.grasp.posture), np.array(weight), self.damper,
+            self.sizes, laws.by_contact, self.layout.starts, laws.answer.starts,
         )  # fmt: skip
 
     def beginning(self, controls: Controls) -> State:
@@ -229,17 +228,17 @@ class Stepper:
         slow_pads : whether pads are damped as joints are, or follow at once.
         """
         asked = StepOptions(self.slow if h is None else h, rough, _NO_PAST if past is None else past, slow_pads)
-        if self._model is None:
-            return self._step_in_python(state, controls, guess or state.same, asked)
-        before, row = self._row_of(state), np.empty(self.layout.size)
+        if self.compiled is None:
+            return self.step_in_python(state, controls, guess or state.same, asked)
+        before, row = self.row_of(state), np.empty(self.layout.size)
         if guess is None:
             expected, start = self.layout.read(before, "where"), state.start
         else:
             expected, start = self.geometry.where_row(guess.where), guess.start
-        status = solve_step(self._model, before, _controls_row(controls), expected, start, asked, row)
+        status = solve_step(self.compiled, before, controls_row(controls), expected, start, asked, row)
         return StepState(row, controls, self) if status == SETTLED else Failure(PathStatus(status))
 
-    def _row_of(self, state: State) -> Array:
+    def row_of(self, state: State) -> Array:
         """A state's numbers, as `StateRow` has them."""
         known: Array | None = state.__dict__.get("row")
         if known is not None:
@@ -251,17 +250,20 @@ class Stepper:
             "base": state.loads.base, "since": state.loads.spin, "slip_memory": state.slip_memory,
             "forces": read.forces, "motion": read.motion, "torsion": read.torsion, "spin": read.spin,
             "torque": read.torque - read.springs, "deflection": read.deflection, "kinds": state.kinds,
-            "controls": _controls_row(state.controls), "tally": (state.iterates, float(len(state.met) > 0)),
+            "controls": controls_row(state.controls), "yielded": state.yielded,
+            "tally": (state.iterates, float(len(state.met) > 0), float(len(state.start) > 0), 0.0),
         } | placed._asdict()  # fmt: skip
         for name in ("start", "met"):
             if len(value := getattr(state, name)):
                 parts[name] = value
+        if len(state.pull.tension):
+            parts |= {"tension": state.pull.tension, "slack": state.pull.slack}
         for name, value in parts.items():
             self.layout.read(row, name)[...] = value
         state.__dict__["row"] = row
         return row
 
-    def _step_in_python(
+    def step_in_python(
         self, state: State, controls: Controls, guess: Guess, asked: StepOptions
     ) -> State | Failure:  # fmt: skip
         """The same as `solve_step`, of geometries, effects and joints that it does not know."""
@@ -270,17 +272,17 @@ class Stepper:
         begun = state.pull
         task = _task(state, controls, under := self.grasp.under(controls, state.controls))
         last, swing, near = np.inf, np.zeros(8), asked.rough * self.tolerance
-        damper, most = self._damper / h, near if follows else -1.0
+        damper, most = self.damper / h, near if follows else -1.0
         pads = 1.0 / h if asked.slow_pads else 0.0
         if controls.kept:
-            damper = KEPT * self._damper
+            damper = KEPT * self.damper
         free = not (under.load.any() or under.weight.any())
         for count in range(1, MAX_ITERATES + 1):
             slipped = geometry.slipped(state.iterate, iterate, state.slip_memory)
             if len(past):
                 slipped -= past
             loads = self.grasp.loads(iterate, slipped, under)
-            done = self.between(state.where.pose, iterate.at.pose)
+            done = self.geometry.between(state.where.pose, iterate.at.pose)
             was, now = state.where, iterate.at
             damping = Damping(1.0 / h, pads, damper, done, was.q - now.q, was.give - now.give, was.turn - now.turn)
             reached = self._answer(_Asked(iterate, loads, slipped, damping, gives, most, task, begun), start, state)
@@ -293,9 +295,9 @@ class Stepper:
                 geometry.moved(iterate.at.pose, reached.twist, reached.centre),
             )
             start, gives, miss, begun = reached.start, reached.gives, reached.miss, reached.pull
-            moved = self.between(state.where.pose, end.pose)
+            moved = self.geometry.between(state.where.pose, end.pose)
             judged = judge_iterate(
-                self._sizes, self._damper, follows, miss, near, last, count, moved, reached.forces, free
+                self.sizes, self.damper, follows, miss, near, last, count, moved, reached.forces, free
             )
             if judged == SETTLED:
                 return self._state_at(state, controls, asked, task, under, (reached, iterate, loads, end, count))
@@ -333,7 +335,7 @@ class Stepper:
             # as if there were springs alone
             loads = loads._replace(command=end.q + yielded - iterate.at.q + joints.C @ left)
         kinds = shown_statuses(reached.kinds)
-        if is_pushed_ahead(self._sizes, reached.forces):
+        if is_pushed_ahead(self.sizes, reached.forces):
             kinds = (OPEN,) * len(kinds)  # pushed ahead, and held by nobody
         return State(
             end, iterate, loads, reached.slip_memory, slid, read, kinds, yielded, controls, reached.start,
@@ -365,18 +367,6 @@ class Stepper:
         read = Read(np.zeros((n, 3)), loads.base, none, loads.spin, torque, under.commanded - q, springs)
         return self._unloaded(iterate, loads, read, controls, rubs, pull)
 
-    def pushed(self, state: State, controls: Controls, guess: Guess | None = None) -> State | Failure:
-        """A step in which fingers may push ahead of them an object that nothing holds, against a damper that is large
-        enough to compute with. The forces of that are none.
-        """
-        found = self.step(state, controls, guess, _FREE)
-        if isinstance(found, Failure):
-            return found
-        most = self.slow / _FREE * NO_FORCE * self.stiffness * self.length
-        if found.read.forces[:, 2].max(initial=0.0) > most:
-            return Failure(PathStatus.NO_FORCES)
-        return found.with_kinds((OPEN,) * len(found.kinds))
-
     def sought(self, state: State, controls: Controls) -> State | Failure | None:
         """A step solved by all methods that a single grasp is solved with, at the contacts where they are; None: these
         find no answer either. Other steps ask the first method alone.
@@ -405,73 +395,6 @@ class Stepper:
         if ends and (size := float(abs(going := q[-1] - q[0]).max())) > 0.0:
             q += [q[-1] - _CLOSE_BY / size * going, q[-1] + _CLOSE_BY / size * going]
         return next((who for who in map(self.joints.cables.crossed_body, q, q[1:]) if who), "")
-
-    def between(self, a: object, b: object) -> Array:
-        """(6,) of the object from pose a to pose b: of its reference point [m], and turned [rad]."""
-        return self.geometry.between(a, b)
-
-    def resisted(self, a: State, b: State, h: float) -> float:
-        """What the object's damper takes in a step with h, as a share of the normal forces."""
-        moved = self.between(a.where.pose, b.where.pose)
-        return self.slow / h * damper_share(self._sizes, self._damper, moved, b.read.forces)
-
-    def on_same_face(self, a: Array, b: Array) -> Bools:
-        """(n,) whether friction, as `friction_shares` has it, lies on one flat face, on which slip does not turn."""
-        if self.section.faces == 0:
-            return np.zeros(len(a), dtype=bool)
-        if self.section.faces == 2:
-            return np.ones(len(a), dtype=bool)
-        flat, soft = limit_set(self.section, 2).normals.T, self.laws.pattern.normals
-        same = (a[:, :2] @ flat.T).argmax(axis=1) == (b[:, :2] @ flat.T).argmax(axis=1)
-        if len(soft):
-            same = np.where(self.lever > 0.0, (a @ soft.T).argmax(axis=1) == (b @ soft.T).argmax(axis=1), same)
-        return np.asarray(same)
-
-    def friction_shares(self, state: State) -> Array:
-        """(n, 3) friction as a share of its limit, along x, y and about z, in coordinates in which the laws are round;
-        zeros where nothing presses.
-        """
-        if not len(state.start):
-            return np.zeros((len(state.kinds), 3))
-        limit = self.friction * state.start[2 : 3 * len(state.kinds) : 3]
-        shares = self._along_tangents(state.start)
-        return np.where(limit[:, None] > 0.0, shares / np.where(limit > 0.0, limit, 1.0)[:, None], 0.0)
-
-    def slip_toward(self, direction: Array, state: State) -> Array:
-        """(n, 3) as long a slip as that of the step to a state, but along `direction` (n, 3), in the coordinates of
-        `friction_shares`; along x and y [m] and about z [rad].
-        """
-        scale = np.ones((len(direction), 3))
-        laws, n = self.laws.laws, len(direction)
-        scale[:, :2] = laws.scale[: 3 * n].reshape(n, 3)[:, :2]
-        scale[laws.soft, 2] = laws.scale[3 * n :]
-        slip = np.column_stack([state.read.motion[:, :2], state.read.spin]) * scale
-        slip[:, 2] *= np.isin(np.arange(n), laws.soft)
-        size = np.sqrt((slip * slip).sum(axis=1) / np.maximum((direction * direction).sum(axis=1), 1e-300))
-        return np.asarray(size[:, None] * direction / scale)
-
-    def expecting(self, state: State, slides: Bools) -> Guess:
-        """What is expected of a step from a state in which these contacts (n,) slide, and others that press stick."""
-        n, laws, c = len(slides), self.laws.laws, len(self.laws.laws.scale)
-        slip = -_LITTLE * self.length * slides[:, None] * self.friction_shares(state)
-        start, own = state.start.copy(), np.zeros(c)
-        own[: 3 * n].reshape(n, 3)[:, :2], own[3 * n :] = slip[:, :2], slip[laws.soft, 2]
-        opened = np.array([kind == OPEN for kind in state.kinds])
-        own[2 : 3 * n : 3] = np.where(opened, start[c + 11 : c + 9 + 3 * n : 3], 0.0)
-        start[c + 9 :] = own
-        return Guess(state.where, start, state.gives)
-
-    def _along_tangents(self, start: Array) -> Array:
-        """(n, 3) components of a start along x and y, and about z of soft contacts."""
-        n, laws = len(self.friction), self.laws.laws
-        own = np.zeros((n, 3))
-        own[:, :2] = start[: 3 * n].reshape(n, 3)[:, :2]
-        own[laws.soft, 2] = start[3 * n : 3 * n + len(laws.soft)]
-        return own
-
-    def far(self, a: object, b: object) -> float:
-        """How far the object has moved from pose a to b, as a share of the contacts' distances from their centre."""
-        return pose_distance(self.length, self.between(a, b))
 
     def _answer(self, asked: _Asked, start: Array, state: State) -> Reached | None:
         """The answer that continues what is expected, as `answer_iterate` chooses it; where joints rub or tendons may
@@ -563,12 +486,17 @@ class Stepper:
         return situation, Rules(laws.laws, coefficients, extra, giving, laws.yields, laws.pattern)
 
 
-def _controls_row(controls: Controls) -> Array:
+def controls_row(controls: Controls) -> Array:
     """Controls as `solve_step` reads them."""
     row = np.empty(9 + len(controls.command))
     row[:6], row[6], row[7], row[8] = controls.load, controls.weight, controls.preload, controls.kept
     row[9:] = controls.command
     return row
+
+
+def controls_of(row: Array) -> Controls:
+    """The controls that such a row stands for."""
+    return Controls(row[:6], float(row[6]), float(row[7]), row[9:], bool(row[8]))
 
 
 def _joints(spec: GraspSpec, geometry: Geometry, compliance_factor: Array) -> Joints | None:

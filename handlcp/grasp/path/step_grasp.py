@@ -184,7 +184,8 @@ class StepGrasp:
         touching = np.where(fingers & (abs(first.gap) <= self.touches), first.gap, 0.0)
         overlap, given = np.maximum(touching - first.gap, 0.0), spec.offset - geometry.apart
         self.squeezes = max(float(abs(given).max()), float(overlap.max())) > _NONE * size
-        self.preloads = Preloads(given, overlap - touching, self.squeezes or bool(touching.any()))
+        acts = self.squeezes or bool(touching.any())
+        self.preloads = Preloads(given, overlap - touching, acts, self.touches)
 
     def under(self, controls: Controls, before: Controls) -> Under:
         """What all iterates of a step have in common, from controls `before`."""

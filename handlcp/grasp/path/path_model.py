@@ -1,0 +1,459 @@
+"""`PathModel`: what a path reads of its grasp, and what it reads of a state: how near contacts are to a change, how far
+they slid, the error of a step, what is over a limit.
+
+A path is written once. Where all of a grasp is known in closed form it is one compiled call; where its user brings
+something in Python (a geometry, an effect with limits), or joints have friction or tendons, the same functions run as
+Python, and what brings it (`PathModel.own`) takes the place of the functions that it has.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeVar, cast
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, PathStatus
+from handlcp.grasp.path.linearise import (
+    Contacts,
+    Placed,
+    Poses,
+    linearise,
+    new_contacts,
+    place_between,
+    pose_difference,
+    pose_displacement,
+    read_place,
+    slip_between,
+)
+from handlcp.grasp.path.solve_step import (
+    SETTLED,
+    Sizes,
+    StepModel,
+    StepOptions,
+    is_loaded,
+    pose_distance,
+    preload_offsets,
+    read_state,
+    solve_step,
+)
+from handlcp.lcp.compiler.kernel import Kernel
+from handlcp.lcp.kernels.dense import kernel
+from handlcp.tolerances import OVER_LIMIT_TOLERANCE
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+OPEN, STICKS, SLIDES = float(SEPARATED), float(STICKING), float(SLIDING)
+PENDING = -2  # what a search for a state returns that Python is to make: the call is made again with its answer
+_NO_FORCES = int(PathStatus.NO_FORCES)
+
+
+class ModelKernel(Kernel):
+    """A kernel whose first argument is a `PathModel`: compiled, unless that brings something in Python."""
+
+    def __call__(self, model: PathModel, *args: Any) -> Any:
+        """Run it, or what the model has in its place."""
+        if model.own is None:
+            return self.run(model, *args)
+        own = getattr(model.own, self.function.__name__, None)
+        return self.function(model, *args) if own is None else own(*args)
+
+
+def model_kernel(function: F) -> F:
+    """Compile a function of a `PathModel`, as `kernel` does."""
+    return cast(F, ModelKernel(function))
+
+
+class FrictionArrays(NamedTuple):
+    """Of contacts. coefficients (n,); lever (n,) : 1 / e of soft ones [1/m], 0 of others; soft (k,) : which those are;
+    scale (c,) : of the laws' coordinates; faces : 0 of round sets; flat (f, 2), soft_flat (g, 3) : normals of the
+    faces.
+    """
+
+    coefficients: Array
+    lever: Array
+    soft: Ints
+    scale: Array
+    faces: int
+    flat: Array
+    soft_flat: Array
+
+
+class LimitArrays(NamedTuple):
+    """As in `StateLimits`. inverse_efforts (nv + t,), lower, upper, inverse_spans (nv,), motion (2,)."""
+
+    inverse_efforts: Array
+    lower: Array
+    upper: Array
+    inverse_spans: Array
+    motion: Array
+
+
+class PathModel(NamedTuple):
+    """A grasp as a path reads it. own : what is Python of it; None: nothing. step : all that compiled steps read; None:
+    they are Python. state : where the parts of a state's row begin. damper (6,) : as in `StepModel`. freedom (dof, 6) :
+    as in `Laws`. limits : torques, tensions and ranges that are watched. near : gaps up to this are none [m]. max_slip
+    (n,) [m]. springs (2, nv) : torque of springs beside drives at q = 0, and its rate. noise : of the geometry.
+    """
+
+    own: Any
+    step: StepModel
+    poses: Poses
+    state: Ints
+    sizes: Sizes
+    damper: Array
+    friction: FrictionArrays
+    freedom: Array
+    limits: LimitArrays
+    near: float
+    max_slip: Array
+    springs: Array
+    noise: float
+
+
+# ----------------------------------------------------------------
+# Steps: what a model may have its own way of.
+
+
+@model_kernel
+def take_step(
+    m: PathModel, before: Array, controls: Array, guess: Array, start: Array, asked: StepOptions, row: Array
+) -> int:
+    """Write the state under other controls, as `solve_step`."""
+    return solve_step(m.step, before, controls, guess, start, asked, row)
+
+
+@model_kernel
+def move_unloaded(m: PathModel, before: Array, controls: Array, row: Array) -> int:
+    """Write a state in which no contact carries anything and nothing pulls the object: fingers go where they are
+    commanded, and the object stays. What overlaps by no more than just touches presses nothing: the forces of so little
+    would be those of rounding. As `solve_step` returns it.
+    """
+    s, poses = m.step, m.poses
+    pulls = controls[8] == 0.0 and controls[6] != 0.0 and s.weight.any()
+    if pulls or controls[:6].any() or s.rules.laws.sags != 0.0 or not poses.follows:
+        return _NO_FORCES
+    old, end = read_state(before, m.state), read_state(row, m.state)
+    n = len(old.kinds)
+    row[:] = 0.0
+    was, stood, at = read_place(poses, old.where), read_place(poses, old.at), read_place(poses, end.where)
+    at.q[:], at.pose[:] = s.posture + controls[9:], was.pose
+    contacts = new_contacts(s.geometry)
+    contacts.frames[:] = old.frames
+    linearise(s.geometry, end.where, contacts)
+    now = _placed(contacts)
+    earlier = Placed(old.positions, old.frames, old.axes, old.places, old.slips)
+    slipped = slip_between(s.geometry, earlier, now, stood, at, old.slip_memory)
+    end.base[:] = slipped + preload_offsets(s.preloads, controls[7], old.controls[7])
+    offsets = preload_offsets(s.preloads, controls[7], old.controls[7])
+    for i in range(n):
+        end.base[i, 2] = contacts.touch.gap[i] + offsets[i, 2]
+        if end.base[i, 2] < -s.preloads.touches:
+            return _NO_FORCES
+    end.at[:], end.since[:], end.motion[:] = end.where, slipped[:, 2], end.base
+    end.positions[:], end.frames[:], end.axes[:] = now.positions, now.frames, now.axes
+    end.places[:], end.slips[:], end.controls[:] = now.places, now.slips, controls
+    end.spin[:] = slipped[:, 2]
+    end.torque[:] = contacts.elastic.gravity
+    return SETTLED
+
+
+@kernel
+def _placed(c: Contacts) -> Placed:
+    return Placed(c.touch.positions, c.frames, c.axes, c.touch.places, c.slips)
+
+
+# ----------------------------------------------------------------
+# What a state says.
+
+
+@model_kernel
+def motion(m: PathModel, a: Array, b: Array) -> Array:
+    """(6,) of the object from state a to state b: of its reference point [m], and turned [rad]."""
+    before, after = read_state(a, m.state).where, read_state(b, m.state).where
+    return pose_difference(m.poses, read_place(m.poses, before).pose, read_place(m.poses, after).pose)
+
+
+@model_kernel
+def distance(m: PathModel, a: Array, b: Array) -> float:
+    """How far the object is apart in two states, as a share of the contacts' distances from their centre."""
+    return pose_distance(m.sizes.length, motion(m, a, b))
+
+
+@model_kernel
+def reach(m: PathModel, row: Array) -> float:
+    """The farthest contact's distance from the reference, as a share of the same."""
+    s, farthest = read_state(row, m.state), 0.0
+    moved = pose_displacement(m.poses, read_place(m.poses, s.at).pose)
+    for i in range(len(s.kinds)):
+        square = 0.0
+        for a in range(3):
+            square += (s.positions[i, a] - m.poses.reference[a] - (moved[a] if m.poses.follows else 0.0)) ** 2
+        farthest = max(farthest, square)
+    return math.sqrt(farthest) / m.sizes.length
+
+
+@model_kernel
+def largest_force(m: PathModel, row: Array) -> float:
+    """Of all components [N]."""
+    largest = 0.0
+    for x in read_state(row, m.state).forces.reshape(-1):
+        largest = max(largest, abs(x))
+    return largest
+
+
+@model_kernel
+def any_slides(m: PathModel, row: Array) -> bool:
+    """Whether a contact slides."""
+    return bool((read_state(row, m.state).kinds == SLIDES).any())
+
+
+@model_kernel
+def carries(m: PathModel, row: Array) -> bool:
+    """Whether a contact carries anything."""
+    return is_loaded(read_state(row, m.state).kinds)
+
+
+@model_kernel
+def slip_lengths(m: PathModel, row: Array) -> Array:
+    """(n,) how far contacts that press slid in the step to a state [m]."""
+    s = read_state(row, m.state)
+    out = np.zeros(len(s.kinds))
+    for i in range(len(out)):
+        if s.kinds[i] == SLIDES:
+            out[i] = math.hypot(s.motion[i, 0], s.motion[i, 1])
+    return out
+
+
+@model_kernel
+def margins(m: PathModel, row: Array) -> Array:
+    """(n, 2) of each contact: how far it is from sliding and from opening, in newtons; below 0, what it has slid and
+    opened in the step, as the force that would take it back.
+    """
+    s, k, f = read_state(row, m.state), m.sizes.stiffness, m.friction
+    out = np.empty((len(s.kinds), 2))
+    for i in range(len(out)):
+        if s.kinds[i] == OPEN:
+            out[i, 0], out[i, 1] = np.inf, -k * max(s.motion[i, 2], 0.0)
+            continue
+        out[i, 1] = s.forces[i, 2]
+        if s.kinds[i] == SLIDES:
+            slip = s.motion[i, 0] ** 2 + s.motion[i, 1] ** 2 + (s.spin[i] * m.sizes.length) ** 2
+            out[i, 0] = -k * math.sqrt(slip)
+        else:
+            pull = s.forces[i, 0] ** 2 + s.forces[i, 1] ** 2 + (s.torsion[i] * f.lever[i]) ** 2
+            out[i, 0] = max(f.coefficients[i] * s.forces[i, 2] - math.sqrt(pull), 0.0)
+    return out
+
+
+@model_kernel
+def friction_shares(m: PathModel, row: Array) -> Array:
+    """(n, 3) friction as a share of its limit, along x, y and about z, in coordinates in which the laws are round;
+    zeros where nothing presses.
+    """
+    s, f = read_state(row, m.state), m.friction
+    n = len(s.kinds)
+    out = np.zeros((n, 3))
+    for i in range(n):
+        for a in range(2):
+            out[i, a] = s.start[3 * i + a]
+    for k in range(len(f.soft)):
+        out[f.soft[k], 2] = s.start[3 * n + k]
+    for i in range(n):
+        limit = f.coefficients[i] * s.start[3 * i + 2]
+        for a in range(3):
+            out[i, a] = out[i, a] / limit if limit > 0.0 else 0.0
+    return out
+
+
+@model_kernel
+def on_same_face(m: PathModel, a: Array, b: Array) -> Array:
+    """(n,) whether friction, as `friction_shares` has it, lies on one flat face, on which slip does not turn."""
+    f = m.friction
+    out = np.zeros(len(a), np.bool_)
+    for i in range(len(a)):
+        if f.faces == 2:
+            out[i] = True
+        elif f.faces > 0 and f.lever[i] > 0.0 and len(f.soft_flat) > 0:
+            out[i] = _farthest_along(f.soft_flat, a[i]) == _farthest_along(f.soft_flat, b[i])
+        elif f.faces > 0:
+            out[i] = _farthest_along(f.flat, a[i]) == _farthest_along(f.flat, b[i])
+    return out
+
+
+@kernel
+def _farthest_along(normals: Array, x: Array) -> int:
+    """Which of the normals (f, k) x is farthest along."""
+    best, most = -1, -np.inf
+    for j in range(len(normals)):
+        along = 0.0
+        for a in range(normals.shape[1]):
+            along += normals[j, a] * x[a]
+        if along > most:
+            best, most = j, along
+    return best
+
+
+@model_kernel
+def slip_toward(m: PathModel, direction: Array, row: Array) -> Array:
+    """(n, 3) as long a slip as that of the step to a state, but along `direction` (n, 3), in the coordinates of
+    `friction_shares`; along x and y [m] and about z [rad].
+    """
+    s, f = read_state(row, m.state), m.friction
+    n = len(s.kinds)
+    out, scale = np.zeros((n, 3)), np.ones((n, 3))
+    for i in range(n):
+        for a in range(2):
+            scale[i, a], out[i, a] = f.scale[3 * i + a], s.motion[i, a] * f.scale[3 * i + a]
+    for k in range(len(f.soft)):
+        i = f.soft[k]
+        scale[i, 2], out[i, 2] = f.scale[3 * n + k], s.spin[i] * f.scale[3 * n + k]
+    for i in range(n):
+        size, along = 0.0, 0.0
+        for a in range(3):
+            size += out[i, a] ** 2
+            along += direction[i, a] ** 2
+        long = math.sqrt(size / max(along, 1e-300))
+        for a in range(3):
+            out[i, a] = long * direction[i, a] / scale[i, a]
+    return out
+
+
+@model_kernel
+def estimate_error(m: PathModel, state: Array, found: Array, earlier: Array, ratio: float) -> float:
+    """Estimated error of the forces at the end of a step, as a share of the largest: friction opposes the slip at the
+    end, whose direction is known to second order.
+
+    earlier : the state before `state`; ratio : of this step and the one from there, 0 where that says nothing.
+    """
+    if not any_slides(m, found):
+        return 0.0
+    was, end, f = read_state(state, m.state), read_state(found, m.state), m.friction
+    now, last = friction_shares(m, found), friction_shares(m, state)
+    before = friction_shares(m, earlier) if ratio > 0.0 else last
+    same, largest = on_same_face(m, now, last), 0.0
+    for i in range(len(now)):
+        if end.kinds[i] != SLIDES or was.kinds[i] != SLIDES or same[i]:
+            continue
+        turned, bends = 0.0, 0.0
+        for a in range(3):
+            turned += (now[i, a] - last[i, a]) ** 2
+            bends += (now[i, a] - last[i, a] - ratio * (last[i, a] - before[i, a])) ** 2
+        error = 0.5 * turned if ratio == 0.0 else math.sqrt(bends) / 3.0 + turned**1.5 / 4.0
+        largest = max(largest, error * f.coefficients[i] * end.forces[i, 2])
+    return largest / max(largest_force(m, found), 1e-300)
+
+
+# ----------------------------------------------------------------
+# Limits, and what happens.
+
+
+@model_kernel
+def limit_shares(m: PathModel, limits: LimitArrays, at: Array, row: Array) -> Array:
+    """Shares of the limits, as `failure_mode.limit_shares`: (nv + t,) of torques and tensions, (nv,) of ranges, 2 of
+    the object's motion from `at` (6,) on. NaN where a torque is.
+    """
+    s, efforts, named = read_state(row, m.state), len(limits.inverse_efforts), len(limits.lower)
+    q, nv = read_place(m.poses, s.where).q, len(s.torque)
+    out = np.empty(efforts + named + 2)
+    for j in range(efforts):
+        effort = s.torque[j] + m.springs[0, j] + m.springs[1, j] * q[j] if j < nv else s.tension[j - nv]
+        out[j] = abs(effort) * limits.inverse_efforts[j]
+    for j in range(named):
+        beyond = max(q[j] - limits.upper[j], limits.lower[j] - q[j])
+        out[efforts + j] = beyond * limits.inverse_spans[j] + 1.0
+    moved = pose_displacement(m.poses, read_place(m.poses, s.where).pose) - at
+    for part in range(2):
+        square = 0.0
+        for a in range(3):
+            square += moved[3 * part + a] ** 2
+        out[efforts + named + part] = math.sqrt(square) / limits.motion[part]
+    return out
+
+
+# Codes of what happens, each begun at an even number and undone at the next; names by code
+OPENS, TOUCHES, SLIPS, STICKS_AGAIN, OVER, SLACK, YIELDS, RANGE = 0, 1, 2, 3, 4, 6, 8, 10
+
+
+@model_kernel
+def write_events(m: PathModel, a: Array, b: Array, out: Array) -> int:
+    """Write (code, who) of what happens from one state to the next, into out (·, 2), as far as there is room. How many
+    of them there are.
+    """
+    before, now, count = read_state(a, m.state), read_state(b, m.state), 0
+    bare = before.tally[2] == 0.0  # a state without a solve says gaps in its base alone
+    for i in range(len(now.kinds)):
+        was, kind = before.kinds[i], now.kinds[i]
+        if was == kind:
+            continue
+        gap = before.base[i, 2] if bare else before.motion[i, 2]
+        if kind == OPEN:
+            count = _note(out, count, OPENS, i)
+        elif was == OPEN and gap > m.near:
+            count = _note(out, count, TOUCHES, i)
+        if kind == SLIDES:
+            count = _note(out, count, SLIPS, i)
+        elif kind == STICKS and was == SLIDES:
+            count = _note(out, count, STICKS_AGAIN, i)
+    limits, named = m.limits, len(m.limits.lower)
+    if named == 0:
+        return count
+    efforts, none = len(limits.inverse_efforts), np.zeros(6)
+    first, second = limit_shares(m, limits, none, a), limit_shares(m, limits, none, b)
+    most = 1.0 + OVER_LIMIT_TOLERANCE
+    for j in range(efforts):
+        count = _note_change(out, count, OVER, j, first[j] > most, second[j] > most)
+    for j in range(len(now.slack)):
+        count = _note_change(out, count, SLACK, j, before.slack[j] != 0.0, now.slack[j] != 0.0)
+    for j in range(named):
+        count = _note_change(out, count, YIELDS, j, before.yielded[j] != 0.0, now.yielded[j] != 0.0)
+    for j in range(named):
+        k = efforts + j
+        count = _note_change(out, count, RANGE, j, first[k] > most, second[k] > most)
+    return count
+
+
+@kernel
+def _note(out: Array, count: int, code: int, who: int) -> int:
+    if count < len(out):
+        out[count, 0], out[count, 1] = code, who
+    return count + 1
+
+
+@kernel
+def _note_change(out: Array, count: int, code: int, who: int, was: bool, now: bool) -> int:
+    return count if was == now else _note(out, count, code if now else code + 1, who)
+
+
+# ----------------------------------------------------------------
+# Controls and guesses.
+
+
+@kernel
+def controls_between(begin: Array, end: Array, share: float) -> Array:
+    """On the straight way from one to the other; commands that are the same stay so to the last bit: drives that stand
+    still hold.
+    """
+    out, stands = np.empty(len(begin)), True
+    for k in range(9, len(begin)):
+        stands = stands and begin[k] == end[k]
+    for k in range(len(begin)):
+        if k == 8 or (k > 8 and stands):
+            out[k] = end[k] if k == 8 else begin[k]
+        else:
+            out[k] = (1.0 - share) * begin[k] + share * end[k]
+    return out
+
+
+@model_kernel
+def guess_between(m: PathModel, a: Array, b: Array, share: float) -> tuple[Array, Array]:
+    """(configuration, start) that are expected at this share of the way from state a to state b, beyond b above 1."""
+    first, second = read_state(a, m.state), read_state(b, m.state)
+    where, start = np.empty(len(first.where)), second.start.copy()
+    place_between(m.poses, first.where, second.where, share, where)
+    if first.tally[2] == second.tally[2]:
+        for k in range(len(start)):
+            start[k] = first.start[k] + share * (second.start[k] - first.start[k])
+    return where, start
