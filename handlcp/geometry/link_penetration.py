@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp.check import Array, Ints
+from handlcp.check import Array, Bools, Ints
 from handlcp.errors import InputError
 from handlcp.geometry.contact_detection import nearest_proximity
 from handlcp.geometry.distance import bounding_box
@@ -16,6 +16,7 @@ from handlcp.geometry.shape import Box, Cylinder, Ellipsoid, Mesh, Sphere
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.robot.fingertip import make_sphere_tip
 from handlcp.robot.hand_model import HandPosture
+from handlcp.robot.link_surface import LinkSurface
 
 # ----------------------------------------------------------------
 # Links inside an object: which, and how deep. The model knows contacts of fingertips alone.
@@ -57,12 +58,9 @@ def find_penetrating_links(posture: HandPosture, obj: Object, tips: tuple[int, .
     carried = dict[int, list[int]]()
     for i in tips:
         carried.setdefault(hand.tips.places[i].joint, []).append(i)
-    centre, around = bounding_ball(obj)
     found = []
-    for link, placement in zip(links, placements, strict=True):
-        R, p = placement[:3, :3], placement[:3, 3]
-        if float(np.linalg.norm(p - centre)) > link.reach + around:
-            continue
+    for k in np.flatnonzero(_may_reach(links, placements, obj)).tolist():
+        link, R, p = links[k], placements[k][:3, :3], placements[k][:3, 3]
         depth = _largest_depth(*link.net, R, p, obj)
         own = carried.get(link.joint, ())
         if depth > 0.0 and own:
@@ -76,6 +74,23 @@ def find_penetrating_links(posture: HandPosture, obj: Object, tips: tuple[int, .
             left_out = hand.may_touch is not None and link.name not in hand.may_touch
             found.append(LinkPenetration(link.name, depth, hand.fingertips[own[0]] if own else None, left_out))
     return tuple(sorted(found, key=lambda one: -one.depth))
+
+
+def _may_reach(links: tuple[LinkSurface, ...], placements: Array, obj: Object) -> Bools:
+    """(l,) which links may come into the object, as balls around them tell. placements (l, 4, 4) : of their frames."""
+    centre, around = bounding_ball(obj)
+    reaches = np.array([link.reach for link in links])
+    may = np.asarray(np.linalg.norm(placements[:, :3, 3] - centre, axis=1) <= reaches + around)
+    near = np.flatnonzero(may)
+    if not len(near):
+        return may
+    middles, radii = zip(*[links[k].ball for k in near.tolist()], strict=True)
+    at = np.einsum("lij,lj->li", placements[near, :3, :3], np.array(middles)) + placements[near, :3, 3]
+    Q, q = obj.frame
+    x = (at - q) @ Q
+    gaps = _exact_distances(x, obj)
+    may[near] = (np.linalg.norm(at - centre, axis=1) - around if gaps is None else gaps) <= np.array(radii)
+    return may
 
 
 def _largest_depth(points: Array, radii: Array, R: Array, p: Array, obj: Object) -> float:

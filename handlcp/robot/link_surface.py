@@ -151,6 +151,13 @@ class LinkSurface:
         points = np.concatenate([x @ R.T + p for (x, _), R, p in nets])
         return read_only(points), read_only(np.concatenate([radii for (_, radii), _, _ in nets]))
 
+    @lazy_property
+    def ball(self) -> tuple[Array, float]:
+        """Centre (3,) in the link's frame and radius [m] of a ball that holds the net."""
+        points, radii = self.net
+        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        return read_only(middle), float((np.linalg.norm(points - middle, axis=1) + radii).max())
+
     def __getstate__(self) -> dict[str, Any]:
         """With the net in place of the shapes, some of which cannot be pickled."""
         return self.__dict__ | {"net": self.net, "parts": ()}

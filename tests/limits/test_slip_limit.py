@@ -5,9 +5,6 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError, UnknownName
-from handlcp.grasp.model.status import PathStatus
-from handlcp.grasp.path.advance import Leg
-from handlcp.grasp.path.state import Failure
 from tests.support.limits import limit_in_steps
 
 C, N = 1e-3, 5.0  # flexibility of each contact [m/N], and its normal force [N]
@@ -98,10 +95,3 @@ def test_a_distance_that_is_none_is_refused(max_slip, error):
             ask(Z, max_slip=max_slip)
     with pytest.raises(error, match="max_slip"):
         grasp.check(max_slip=max_slip)
-
-
-def test_a_crossing_is_at_the_end_of_its_step_where_no_shorter_step_has_a_solution(monkeypatch):
-    """Else the step would have no length, and the object no speed."""
-    leg = object.__new__(Leg)
-    monkeypatch.setattr(leg, "_at", lambda *_: Failure(PathStatus.NO_FORCES), raising=False)
-    assert leg.crossing("before", "beyond", 0.0, 0.5, {"before": -1.0, "beyond": 1.0}.__getitem__) == (0.5, "beyond")

@@ -1,10 +1,8 @@
 """What the tests need of the inside of paths."""
 
 from handlcp.grasp.model.status import PathStatus
-from handlcp.grasp.path import advance, step_grasp
+from handlcp.grasp.path import step_grasp
 from handlcp.grasp.path.advance import Leg
-from handlcp.grasp.path.stability import STUCK
-from handlcp.grasp.path.state import Failure
 
 
 def in_one_matrix(patch):
@@ -13,12 +11,14 @@ def in_one_matrix(patch):
 
 
 def give_up_beyond(share, patch):
-    """From this share of an open stage on no step finds a state, and the object neither moves on nor rests."""
-    found = Leg._found
+    """An open stage is given up at this share of it."""
+    through = Leg.through
 
-    def stopped(leg, state, at, size):
-        is_beyond = leg.beyond is not None and at + size > share
-        return Failure(PathStatus.NO_FORCES) if is_beyond else found(leg, state, at, size)
+    def stopped(leg, pause=False):
+        if not leg.stage.is_open:
+            return through(leg, pause)
+        leg.stage = leg.stage._replace(last=min(leg.stage.last, share))
+        goes_on = through(leg, pause)
+        return leg.run.ends(PathStatus.STUCK) if leg.run.status == PathStatus.UNBOUNDED else goes_on
 
-    patch.setattr(Leg, "_found", stopped)
-    patch.setattr(advance, "flow", lambda stepper, state, *rest: (state, STUCK))
+    patch.setattr(Leg, "through", stopped)

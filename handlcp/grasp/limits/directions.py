@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,10 +27,11 @@ from handlcp.grasp.limits.followed import Allowed, Before
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, JUMPS, LOST
 from handlcp.grasp.limits.kernels.onward import onward_each
 from handlcp.grasp.limits.kernels.parts import none_known, update
-from handlcp.grasp.limits.load_limit import is_followed, read_allowed
+from handlcp.grasp.limits.load_limit import read_allowed
 from handlcp.grasp.limits.path import binds_of
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.advance import read_accuracy
+from handlcp.grasp.path.follow import is_followed
 from handlcp.grasp.path.geometry import length_of
 from handlcp.grasp.path.watch import MAX_SLIP
 from handlcp.lcp.compiler.compile_policy import compile_now
@@ -79,7 +82,8 @@ def _in_steps(
     spec: GraspSpec, section: Section, loads: Array, allowed: Allowed, accuracy: float, geometry: str
 ) -> Limits:
     before = Before(spec, section, allowed, geometry, accuracy)
-    found = [before.limit(load) for load in loads]
+    with ThreadPoolExecutor(os.cpu_count()) as threads:  # a path holds the interpreter's lock at its ends alone
+        found = list(threads.map(before.limit, loads))
     factors, off = np.array([(one.factor, one.accuracy) for one in found]).T.copy()
     return Limits(loads, read_only(factors), tuple([x.binds for x in found]), geometry, read_only(off))
 

@@ -16,18 +16,13 @@ from handlcp.grasp.limits.followed import Allowed, followed_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.request import GraspSpec, check_load
 from handlcp.grasp.path.advance import ACCURACY, read_accuracy
-from handlcp.grasp.path.follow import geometry_of
+from handlcp.grasp.path.follow import is_followed
 from handlcp.grasp.path.watch import MAX_SLIP, read_max_slip
 from handlcp.grasp.verify.static_load_bound import static_load_bounds
 from handlcp.progress import track_progress
 
 # ----------------------------------------------------------------
 # What is asked of a load limit: which load, which geometry, how far the object may move.
-
-
-def is_followed(spec: GraspSpec, geometry: Any) -> bool:
-    """Whether contacts are followed: where hand and object are known, but for "fixed". Raises InputError."""
-    return geometry != "fixed" and geometry_of(spec, geometry).follows
 
 
 def load_of(spec: GraspSpec, wrench: Any) -> tuple[GraspSpec, Array]:

@@ -327,17 +327,22 @@ def begun(
     return first, goals, stepper
 
 
-def geometry_of(spec: GraspSpec, asked: Any) -> Geometry:
-    """Followed where a hand and its contacts' shapes are known, fixed otherwise. Raises InputError."""
+def is_followed(spec: GraspSpec, asked: Any) -> bool:
+    """Whether contacts are followed: where a hand is known, but for "fixed". Raises InputError."""
     if asked not in (None, "followed", "fixed"):
         raise InputError("geometry", '"followed", "fixed" or None', repr(asked))
-    if asked == "fixed":
-        return FixedGeometry(spec)
-    moving = None if spec.mechanism is None else spec.mechanism.moving_geometry(spec)
-    if moving is None and asked == "followed":
+    if spec.mechanism is None and asked == "followed":
         expected = '"fixed" for a grasp without a hand: only its first posture is known'
         raise InputError("geometry", expected, repr(asked))
-    return FixedGeometry(spec) if moving is None else moving
+    return asked != "fixed" and spec.mechanism is not None
+
+
+def geometry_of(spec: GraspSpec, asked: Any) -> Geometry:
+    """Where contacts are on a path, as `is_followed` says. Raises InputError."""
+    if not is_followed(spec, asked):
+        return FixedGeometry(spec)
+    moving: Geometry = spec.mechanism.moving_geometry(spec)
+    return moving
 
 
 def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section, max_slip: Array) -> Loading:

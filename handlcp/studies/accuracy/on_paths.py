@@ -14,8 +14,8 @@ from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.limits.followed import anything_else, followed_limit
-from handlcp.grasp.limits.load_limit import is_followed, load_of
-from handlcp.grasp.path.follow import follow
+from handlcp.grasp.limits.load_limit import load_of
+from handlcp.grasp.path.follow import follow, is_followed
 from handlcp.grasp.path.state import Stage
 from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.record import Record

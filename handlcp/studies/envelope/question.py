@@ -96,7 +96,7 @@ def read_load(grasp: Grasp, of: Any, at: Any) -> DirectionalLoad:
 # ----------------------------------------------------------------
 
 FIXED_GEOMETRY, FOLLOWED_GEOMETRY = "fixed", "followed"
-_DIRECTIONS_PER_CALL = {FIXED_GEOMETRY: 64, FOLLOWED_GEOMETRY: 4}  # directions that are asked for at once
+_DIRECTIONS_PER_CALL = {FIXED_GEOMETRY: 64, FOLLOWED_GEOMETRY: 16}  # directions that are asked for at once
 
 
 @dataclass(frozen=True, slots=True)
