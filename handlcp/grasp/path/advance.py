@@ -14,7 +14,6 @@ from handlcp.contact.friction import limit_set
 from handlcp.grasp.failure.failure_mode import StateLimits
 from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.continuation import (
-    ACCURACY,
     ASKS,
     BREATHES,
     FULL,
@@ -32,8 +31,9 @@ from handlcp.grasp.path.watch import Watch
 from handlcp.progress import report_progress
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
+ACCURACY = 1e-3  # of the largest force: the error of a step, unless something else is asked
 _STAGE_UNIT = 2.0**-3  # of a stage that has an end: in this unit the shortest steps are counted
-_NO_LIMITS = LimitArrays(*[np.zeros(0)] * 4, np.full(2, np.inf))
+_NO_LIMITS = LimitArrays(np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0), np.full(2, np.inf))
 
 
 def read_accuracy(value: Any) -> float:
@@ -177,8 +177,8 @@ class Leg:
         s = t.snaps
         for k in range(max(self._snaps - 1, 0), int(leg.snaps)):
             pushed = tuple(s.pushed[k].tolist()) if s.pushed[k].any() else ()
-            numbers = [float(a[k]) for a in (s.share, s.until, s.moved, s.turned)]
-            run.snaps.append(Snap(self.number, *numbers, bool(s.rests[k]), pushed))
+            share, until, moved, turned = [float(a[k]) for a in (s.share, s.until, s.moved, s.turned)]
+            run.snaps.append(Snap(self.number, share, until, moved, turned, bool(s.rests[k]), pushed))
         if leg.slides_number >= 0 and run.slides is None:
             run.slides = Slides(self.number, float(leg.slides_share), self.first + int(leg.slides_number))
         if leg.jump_number >= 0 and run.jump is None:

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, Ints
 from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.flow import (
     GROWS,
@@ -60,7 +60,6 @@ from handlcp.grasp.path.trace import StageArrays, Trace
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import MIN_SNAP_DISTANCE, OVER_LIMIT_TOLERANCE, SNAP_RATIO
 
-ACCURACY = 1e-3  # of the largest force: the error of a step, unless something else is asked
 FINEST = 2.0**-9  # of a stage's unit: where a step as short as this has no solution, there is none
 _EXACT = 2.0**-18  # of it: how closely a jump or the last static state is located once there is known to be one
 _ALONG = 2.0  # a path is not continued further than this many times its last step
@@ -415,7 +414,7 @@ def _branch(m: PathModel, state: Array, controls: Array, row: Array) -> bool:
 
 
 @kernel
-def _next_combination(chosen: Array, count: int) -> bool:
+def _next_combination(chosen: Ints, count: int) -> bool:
     """Change `chosen`, ascending numbers below `count`, to what comes next; whether there is another."""
     k = len(chosen)
     for i in range(k - 1, -1, -1):

@@ -230,4 +230,4 @@ def growing_motion(m: PathModel, row: Array) -> Array:
     for a in range(5, -1, -1):
         if abs(own[a]) >= (1.0 - 1e-6) * most:
             largest = own[a]
-    return np.sign(largest) / size * moves
+    return np.asarray(np.sign(largest) / size * moves)

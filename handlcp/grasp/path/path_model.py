@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
-from handlcp.check import Array, Ints
+from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, PathStatus
 from handlcp.grasp.path.linearise import (
     Contacts,
@@ -31,7 +31,6 @@ from handlcp.grasp.path.linearise import (
 from handlcp.grasp.path.solve_step import (
     SETTLED,
     Sizes,
-    StepModel,
     StepOptions,
     is_loaded,
     pose_distance,
@@ -92,14 +91,14 @@ class LimitArrays(NamedTuple):
 
 
 class PathModel(NamedTuple):
-    """A grasp as a path reads it. own : what is Python of it; None: nothing. step : all that compiled steps read; None:
-    they are Python. state : where the parts of a state's row begin. damper (6,) : as in `StepModel`. freedom (dof, 6) :
+    """A grasp as a path reads it. own : what is Python of it; None: nothing. step : a `StepModel`, all that
+    compiled steps read; None: they are Python. state : where the parts of a state's row begin. damper (6,) : as in `StepModel`. freedom (dof, 6) :
     as in `Laws`. limits : torques, tensions and ranges that are watched. near : gaps up to this are none [m]. max_slip
     (n,) [m]. springs (2, nv) : torque of springs beside drives at q = 0, and its rate. noise : of the geometry.
     """
 
     own: Any
-    step: StepModel
+    step: Any
     poses: Poses
     state: Ints
     sizes: Sizes
@@ -269,7 +268,7 @@ def friction_shares(m: PathModel, row: Array) -> Array:
 
 
 @model_kernel
-def on_same_face(m: PathModel, a: Array, b: Array) -> Array:
+def on_same_face(m: PathModel, a: Array, b: Array) -> Bools:
     """(n,) whether friction, as `friction_shares` has it, lies on one flat face, on which slip does not turn."""
     f = m.friction
     out = np.zeros(len(a), np.bool_)

@@ -102,7 +102,7 @@ def new_trace(state: Array, controls: int, slipped: Array, step: float, slides: 
 
 
 def _new_snaps(k: int) -> Snaps:
-    return Snaps(*[np.zeros(k) for _ in range(5)], np.zeros((k, 6)))
+    return Snaps(np.zeros(k), np.zeros(k), np.zeros(k), np.zeros(k), np.zeros(k), np.zeros((k, 6)))
 
 
 def with_more_room(t: Trace) -> Trace:
