@@ -206,10 +206,6 @@ class MovingHandGeometry(Geometry):
         (R0, t0), (R1, t1) = a, b
         return motion_between(R0, t0, R1, t1, self._reference)
 
-    def turned(self, pose: Any) -> Array:
-        R, _ = pose
-        return np.asarray(R if self.object is None else R @ self.object.frame[0])
-
     def further(self, before: Any, now: Any, share: float) -> tuple[Array, Array]:
         (R0, t0), (R1, t1) = before, now
         return extrapolate_motion(R0, t0, R1, t1, self._centre, share)

@@ -19,9 +19,9 @@ from handlcp.grasp.path.continuation import (
     FULL,
     PAUSED,
     continue_stage,
-    find_part,
 )
 from handlcp.grasp.path.events import Event
+from handlcp.grasp.path.find_step import find_part
 from handlcp.grasp.path.path_model import FrictionArrays, LimitArrays, PathModel, limit_shares, margins
 from handlcp.grasp.path.solve_step import SETTLED, StepOptions
 from handlcp.grasp.path.state import Controls, Failure, Goal, Guess, Jump, Run, Slides, Snap, State

@@ -123,10 +123,6 @@ class Geometry:
         """(6,) of the object from pose a to pose b: of its reference point [m], and turned [rad], world axes."""
         raise NotImplementedError
 
-    def turned(self, pose: Any) -> Array:
-        """(3, 3) the object's own axes in a pose; the world's where no object is known."""
-        return np.eye(3)
-
     def further(self, before: Any, now: Any, share: float) -> Any:
         """The pose that goes on from `before` to `now` by this share of the way between them."""
         raise NotImplementedError

@@ -91,10 +91,11 @@ class LimitArrays(NamedTuple):
 
 
 class PathModel(NamedTuple):
-    """A grasp as a path reads it. own : what is Python of it; None: nothing. step : a `StepModel`, all that
-    compiled steps read; None: they are Python. state : where the parts of a state's row begin. damper (6,) : as in `StepModel`. freedom (dof, 6) :
-    as in `Laws`. limits : torques, tensions and ranges that are watched. near : gaps up to this are none [m]. max_slip
-    (n,) [m]. springs (2, nv) : torque of springs beside drives at q = 0, and its rate. noise : of the geometry.
+    """A grasp as a path reads it. own : what is Python of it; None: nothing. step : a `StepModel`, all that compiled
+    steps read; None: they are Python. state : where the parts of a state's row begin. damper (6,) : as in `StepModel`.
+    freedom (dof, 6) : as in `Laws`. limits : torques, tensions and ranges that are watched. near : gaps up to this are
+    none [m]. max_slip (n,) [m]. springs (2, nv) : torque of springs beside drives at q = 0, and its rate. noise : of
+    the geometry.
     """
 
     own: Any
