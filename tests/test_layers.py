@@ -66,9 +66,11 @@ def methods(tree):
 
 def shows(file, node):
     """Whether an import in a method of this file is of a room above that shows or studies."""
-    room = dotted(file).partition(".")[2].partition(".")[0]
     asked = (getattr(node, "module", None) or "").split(".")
-    return asked[0] == "handlcp" and asked[1:2] and asked[1] in SHOWN and ORDER.index(room) < ORDER.index(asked[1])
+    if asked[0] != "handlcp" or asked[1:2] == [] or asked[1] not in SHOWN:
+        return False
+    room = dotted(file).partition(".")[2].partition(".")[0]
+    return ORDER.index(room) < ORDER.index(asked[1])
 
 
 @cache

@@ -6,6 +6,7 @@ import ast
 import os
 import pathlib
 import re
+from functools import cache
 
 import pytest
 
@@ -42,19 +43,22 @@ def pattern(piece: ast.expr, named: dict[str, object]) -> str:
     return re.escape(named[name]) if name in named else ".*"
 
 
-ASKED = {file: keys_in(file) for file in TESTS.rglob("test_*.py") if file.name != "test_texts.py"}
+@cache
+def asked() -> dict[pathlib.Path, list[str]]:
+    """The patterns of each file of tests."""
+    return {file: keys_in(file) for file in TESTS.rglob("test_*.py") if file.name != "test_texts.py"}
 
 
 @pytest.mark.skipif(texts.WRITE in os.environ, reason="the file is being written")
 def test_no_sentence_is_left_behind_by_a_test_that_is_gone():
-    asked = re.compile("|".join(key for keys in ASKED.values() for key in keys))
+    known = re.compile("|".join(key for keys in asked().values() for key in keys))
     kept = [f"{where}: {what}" for where, sentences in texts.stored().items() for what in sentences]
     assert len(kept) <= 30
-    assert [key for key in kept if not asked.fullmatch(key)] == []
+    assert [key for key in kept if not known.fullmatch(key)] == []
 
 
 def test_a_key_says_in_which_file_its_test_is():
-    for file, keys in ASKED.items():
+    for file, keys in asked().items():
         for key in keys:
             where = re.escape(file.relative_to(TESTS).with_suffix("").as_posix() + ": ")
             assert key.startswith(where), f"{key} in {file.name}"

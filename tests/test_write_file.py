@@ -30,7 +30,9 @@ from pathlib import Path
 import handlcp as hl
 from handlcp.studies.accuracy import accuracy_cost
 from handlcp.design.sweep.table import write_table
+from handlcp.viz.picture import figure
 
+figure.PICTURE_DPI = 30  # drawn at once
 folder = Path({folder!r})
 hand = hl.example_hand("three_finger", joint_stiffness=6.0)
 cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
@@ -219,7 +221,14 @@ print("after")
 
 
 @posix
-@pytest.mark.parametrize(("place", "to"), [("/dev/stdout", "pipe"), ("/dev/stdout", "file"), ("/dev/fd/1", "appended")])
+@pytest.mark.parametrize(
+    ("place", "to"),
+    [
+        ("/dev/stdout", "pipe"),
+        pytest.param("/dev/stdout", "file", marks=pytest.mark.long),
+        ("/dev/fd/1", "appended"),
+    ],
+)
 def test_stdout_gets_a_file_between_what_is_printed_before_and_after(place, to, tmp_path):
     file = tmp_path / "out.txt"
     file.write_text("first\n")

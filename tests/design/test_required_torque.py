@@ -36,7 +36,9 @@ def under(grasp, name, grip, limits, safety=SAFETY):
 
 
 # ---------------------------------------------------------------- by hand
-@pytest.mark.parametrize(("load", "safety"), [(1.0, 1.0), (1.0, 1.5), (3.0, 2.0)])
+@pytest.mark.parametrize(
+    ("load", "safety"), [*(pytest.param(1.0, s, marks=pytest.mark.long) for s in (1.0, 1.5)), (3.0, 2.0)]
+)
 def test_a_pinch_needs_load_over_twice_its_friction_at_the_length_of_its_levers(tmp_path, load, safety):
     r = pinch(tmp_path, (0, 0, -load)).required_torque(safety=safety)
     exact = safety * load / (2 * MU)  # normal force; its lever is the finger's length, that of the friction is 0
@@ -177,7 +179,10 @@ def test_the_peak_is_what_drives_pull_with_against_dry_friction_at_the_joints(tm
     assert carried.weak == ("left_joint", "right_joint")
 
 
-@pytest.mark.parametrize(("at_joints", "of_drive", "peak"), [(0.0, 0.03, 0.04), (RUBS, 0.03, 0.012)])
+@pytest.mark.parametrize(
+    ("at_joints", "of_drive", "peak"),
+    [pytest.param(0.0, 0.03, 0.04, marks=pytest.mark.long), (RUBS, 0.03, 0.012)],
+)
 def test_a_motor_with_the_reduction_that_is_said_closes_and_holds_and_with_less_does_not(
     tmp_path, at_joints, of_drive, peak
 ):

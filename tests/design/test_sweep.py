@@ -24,6 +24,13 @@ def study():
 # ---------------------------------------------------------------- The same rows.
 
 
+def test_processes_change_no_bit_of_designs_that_fail(tmp_path):
+    out = tmp_path / "study.csv"
+    assert bits(run_without_hands(out, samples=20, executor=None)) == bits(run_without_hands(None, samples=20))
+    assert bits(hl.Study.load(out)) == bits(run_without_hands(None, samples=20))
+
+
+@pytest.mark.long
 def test_processes_change_no_bit_and_only_the_table_is_left(study, tmp_path):
     out = tmp_path / "study.parquet"
     assert bits(run(out, None)) == bits(study) == bits(hl.Study.load(out))
@@ -46,6 +53,7 @@ def test_words_stay_words_and_numbers_numbers(tmp_path, end):
         hl.Study.load(tmp_path / f"a.{end}", no_hand, asked)
 
 
+@pytest.mark.long
 def test_no_row_is_worse_than_an_evaluation_of_its_own():
     """The grasp of the longer fingers, brought to the shorter ones, holds three times less than what they can."""
     lengths = [0.05, 0.044]

@@ -14,9 +14,10 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").r
 WITH_CODE = [page for page in PAGES if blocks_of(page.read_text(encoding="utf-8"))]
 
 
-LONG = (  # a quarter of a minute and more each; hardware.md needs hands that are installed apart
+LONG = (  # seconds each, most of them many; hardware.md needs hands that are installed apart
     "envelope.md", "accuracy.md", "which_motors.md", "sweep.md", "optimise.md", "payload.md", "grip_strength.md",
-    "published_tests.md", "complaints.md", "hardware.md", "brief.md", "find_a_grasp.md",
+    "published_tests.md", "complaints.md", "hardware.md", "brief.md", "find_a_grasp.md", "hand_in_ci.md",
+    "whole_hand.md", "my_hand.md", "many_grasps.md", "to_share.md", "how_sure.md", "beside_mujoco.md",
 )  # fmt: skip
 
 

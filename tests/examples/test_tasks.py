@@ -140,6 +140,7 @@ def test_the_chance_that_the_cube_is_held_is_less_than_certain_and_friction_deci
     assert not worst.grasp.solve(throw=False).held
 
 
+@pytest.mark.long
 def test_the_payload_is_held_and_a_little_more_is_not():
     task = ran("payload")
     rest, moving, grasp = task["rest"], task["moving"], task["grasp"]
@@ -150,6 +151,7 @@ def test_the_payload_is_held_and_a_little_more_is_not():
     assert task["picture"].stat().st_size > 10_000
 
 
+@pytest.mark.long
 def test_the_split_cylinder_measures_what_one_half_presses_on_the_other():
     task = ran("grip_strength")
     pinch = task["pinch"]

@@ -134,7 +134,9 @@ def mutants(example):
         yield i, mutated(rng, original, MUTATIONS)[0]
 
 
-@pytest.mark.parametrize("example", EVERY)
+@pytest.mark.parametrize(
+    "example", [pytest.param(one, marks=pytest.mark.long) if one == "bottle_power_grasp" else one for one in EVERY]
+)
 def test_every_mutant_is_refused_or_answered(example):
     refused = answered = 0
     for i, text in mutants(example):

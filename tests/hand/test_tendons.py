@@ -223,7 +223,7 @@ def test_a_load_limit_is_where_the_tension_passes_what_the_motor_holds_for_good(
 
 
 # ---------------------------------------------------------------- what closing takes
-@pytest.mark.parametrize("friction", [0.0, 0.05 * CLOSED])
+@pytest.mark.parametrize("friction", [pytest.param(0.0, marks=pytest.mark.long), 0.05 * CLOSED])
 def test_closing_takes_the_tension_of_the_closed_hand_and_no_more_than_the_peak_less_friction(write, friction):
     grasps = [
         pinch(write, motors=motor(0.5 * CLOSED, share * CLOSED + friction, holding=2.0 * CLOSED, friction=friction))

@@ -16,18 +16,19 @@ from tests.limits.critical_friction import (
     words_of,
 )  # fmt: skip
 
+SOME_FINGERS = [pytest.param(n, marks=pytest.mark.long) if n == 3 else n for n in FINGERS]  # between two and five
 FLIPS = ["NOT HELD", "NOT HELD", "NOT HELD", "HELD", "HELD", "HELD"]
 DOWN = (0, 0, -1, 0, 0, 0)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("fingers", FINGERS)
+@pytest.mark.parametrize("fingers", SOME_FINGERS)
 def test_the_word_flips_at_the_weight_over_the_sum_of_the_normal_forces(fingers, kind):
     assert words_of(fingers, kind) == FLIPS
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("fingers", FINGERS)
+@pytest.mark.parametrize("fingers", SOME_FINGERS)
 def test_the_word_of_a_hand_whose_geometry_is_followed_flips_there_too(tmp_path, fingers, kind):
     assert words_of(fingers, kind, tmp_path) == FLIPS
 
@@ -49,7 +50,14 @@ def test_the_limit_of_a_hand_that_is_followed_is_the_share_of_the_weight(tmp_pat
 
 
 # Two hard fingers do not keep a ball from turning about their line
-@pytest.mark.parametrize(("fingers", "kind"), [(2, "soft"), (3, "hard"), (3, "soft"), (5, "hard"), (5, "soft")])
+@pytest.mark.parametrize(
+    ("fingers", "kind"),
+    [
+        (2, "soft"),
+        (3, "hard"),
+        *(pytest.param(*one, marks=pytest.mark.long) for one in ((3, "soft"), (5, "hard"), (5, "soft"))),
+    ],
+)
 def test_an_example_hand_holds_with_the_friction_that_its_fingers_need_where_they_stick(fingers, kind):
     """What sticking fingers need is read off a path on which nothing slides, whatever the friction."""
     needed = least_friction(example_hand(fingers, law_of(kind, 20.0)))

@@ -93,7 +93,7 @@ def test_both_end_with_the_same_forces_and_torques(case):
 @pytest.mark.parametrize(
     "case",
     [
-        pytest.param(c, marks=pytest.mark.long) if c.title.startswith("allegro") else c
+        pytest.param(c, marks=pytest.mark.long) if c.title.startswith(("allegro", "three_finger")) else c
         for c in CASES_OF_LIMITS
         if c.short
     ],

@@ -102,6 +102,7 @@ def test_a_stored_row_says_the_same_as_handlcp():
     assert first == pytest.approx(found.ends[0], rel=0.01)
 
 
+@pytest.mark.long
 def test_an_object_that_jumps_is_caught_by_links_that_were_millimetres_away_as_in_mujoco():
     case = next(case for case in CASES if case.title == "five_finger, cylinder 1, -y")
     assert (case.make().tip_offset[:, 2] > 1e-3).any()

@@ -61,6 +61,7 @@ def test_forces_that_integrate_motion_are_those_that_were_solved_for():
     assert max(left) < 1e-3 * max(abs(data.qfrc_constraint).max(), 1.0)
 
 
+@pytest.mark.long
 @of_the_table
 def test_a_contact_that_jumps_between_the_ends_of_an_edge_does_not_keep_an_object_from_rest():
     end = simulate(made("g1, strawberry"), order=("squeeze",), seconds=0.3)

@@ -33,19 +33,23 @@ CONTRADICTED_BY_STEPS: set[tuple[int, int]] = set()
 CONTRADICTED_BY_FEW_STEPS: set[tuple[int, int]] = set()
 
 
-def marked(known: list[tuple[int, int]], fail: set[tuple[int, int]]) -> list[object]:
-    """Parameters; those that are known to fail have to."""
+def marked(known: list[tuple[int, int]], fail: set[tuple[int, int]], short: int) -> list[object]:
+    """Parameters; those that are known to fail have to. short : how many the default suite has."""
     why = pytest.mark.xfail(strict=True, reason="the steps decide how it ends")
-    return [pytest.param(*k, marks=why if k in fail else (), id=f"{k[0]}-{k[1]}") for k in known]
+    return [
+        pytest.param(*k, marks=[*([why] if k in fail else []), *([pytest.mark.long] if j >= short else [])],
+                     id=f"{k[0]}-{k[1]}")
+        for j, k in enumerate(known)
+    ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("number", "direction"), marked(LIMITS, CONTRADICTED))
+@pytest.mark.parametrize(("number", "direction"), marked(LIMITS, CONTRADICTED, 8))
 def test_follow_and_check_hold_what_the_limit_says_and_no_more(number, direction):
     found = contradictions(case_of(0, number), direction)
     assert not found, "\n".join(map(str, found))
 
 
-@pytest.mark.parametrize(("number", "direction"), marked(STEPS, CONTRADICTED_BY_STEPS))
+@pytest.mark.parametrize(("number", "direction"), marked(STEPS, CONTRADICTED_BY_STEPS, 3))
 def test_ten_steps_and_a_hundred_and_sixty_end_the_same(number, direction):
     found = steps_agree(case_of(0, number), direction)
     assert not found, "\n".join(map(str, found))
@@ -59,7 +63,7 @@ def test_a_grasp_has_the_same_answer_however_it_is_asked(case, direction):
     assert all(x.agrees for x in found), "\n".join(str(x) for x in found if not x.agrees)
 
 
-@pytest.mark.parametrize(("number", "direction"), marked(FEW_STEPS, CONTRADICTED_BY_FEW_STEPS))
+@pytest.mark.parametrize(("number", "direction"), marked(FEW_STEPS, CONTRADICTED_BY_FEW_STEPS, 2))
 def test_few_steps_end_as_many_do(number, direction):
     case = case_of(0, number)
     found = list(compare_steps(case, direction, factor_of(case, case.directions[direction]), (2, 5, 40)))

@@ -27,7 +27,10 @@ def volume(t):
     return float(np.einsum("ij,ij->i", t[:, 0], np.cross(t[:, 1], t[:, 2])).sum() / 6)
 
 
-@pytest.mark.parametrize("name", ["cube_three_fingers", "planar_ring", "allegro_pinch"])
+@pytest.mark.parametrize(
+    "name",
+    ["cube_three_fingers", *(pytest.param(one, marks=pytest.mark.long) for one in ("planar_ring", "allegro_pinch"))],
+)
 def test_a_picture_is_written_and_shows_something(name, tmp_path):
     scene = load(EXAMPLES / f"{name}.toml")
     grasp = scene.build()

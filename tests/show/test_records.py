@@ -97,7 +97,7 @@ EXAMPLES = {
     "Audit": lambda: hand().audit(),
     "HandDescription": lambda: hand().describe(),
     "HandDescription, of joints that follow": lambda: hl.describe_urdf(MIMIC),
-    "Found Candidate": lambda: hl.find_grasp(hand(), hl.Sphere(0.03, mass=0.1), friction=0.8, tries=8),
+    "Found Candidate": lambda: hl.find_grasp(hand(), hl.Sphere(0.03, mass=0.1), friction=0.8, tries=2),
     "Reliability Sample": lambda: hl.reliability(pinch(), {"friction": 0.2, "load": 0.1}, 64, workers=1),
     "Envelope": lambda: hl.envelope(held(), directions=6, geometry="fixed", faces=8),
     "Payload Orientation": lambda: held().payload(geometry="fixed", faces=8),

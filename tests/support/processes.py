@@ -8,7 +8,8 @@ from pathlib import Path
 
 _ROOT = Path(__file__).parents[2]
 _LIMIT = """
-import resource
+import resource, sys
+sys.dont_write_bytecode = True  # half a file of it would be read as a whole one by whoever imports it next
 def room(most):
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, resource.RLIM_INFINITY))
 """
