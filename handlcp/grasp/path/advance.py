@@ -136,6 +136,7 @@ class Leg:
         again it goes on from there.
         """
         while True:
+            self._own.report(self.trace.leg[0].share)
             with np.errstate(all="ignore"):  # as compiled code
                 how = continue_stage(self.model, self.stage, self.trace, pause)
             if how == FULL:
@@ -144,7 +145,6 @@ class Leg:
                 self._answer()
             elif how != BREATHES:
                 break
-            self._own.report(self.trace.leg[0].share)
         self._write_run()
         if how == PAUSED:
             return True

@@ -86,9 +86,9 @@ def _second_order(
 ) -> bool:  # fmt: skip
     """A step of second order: friction opposes the slip at its end, as a parabola through the last two steps has it
     (BDF2); before : the last of them. Whether there is one: not where a contact that slid sticks, which would stick to
-    that parabola.
+    that parabola. On flat faces slip keeps to its face's normal, and a step of first order is exact.
     """
-    if before == 0.0 or not any_slides(m, state):
+    if before == 0.0 or m.friction.faces > 0 or not any_slides(m, state):
         return False
     old, ratio = read_state(state, m.state), size / before
     part, past = ratio**2 / (1.0 + 2.0 * ratio), np.zeros((len(old.kinds), 3))
@@ -106,11 +106,11 @@ def _second_order(
 
 @model_kernel
 def _first_order(m: PathModel, state: Array, controls: Array, where: Array, start: Array, row: Array) -> int:
-    """A step after a change, where the last two say nothing. Friction is continuous there: slip begins along where
-    friction pushes, and ends along where it pushes then; of both its way is the mean (trapezoidal rule).
+    """A step after a change, where the last two say nothing. Friction is continuous there: on round sets slip begins
+    along where friction pushes, and ends along where it pushes then; of both its way is the mean (trapezoidal rule).
     """
     status = take_step(m, state, controls, where, start, _asked(m), row)
-    if status != SETTLED or not (any_slides(m, state) and any_slides(m, row)):
+    if status != SETTLED or m.friction.faces > 0 or not (any_slides(m, state) and any_slides(m, row)):
         return status
     push = friction_shares(m, state)
     if on_same_face(m, push, friction_shares(m, row)).all():
