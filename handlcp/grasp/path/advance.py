@@ -17,12 +17,13 @@ from handlcp.grasp.path.continuation import (
     ASKS,
     BREATHES,
     FULL,
+    OVER,
     PAUSED,
     continue_stage,
+    part_of_step,
 )
 from handlcp.grasp.path.events import Event
-from handlcp.grasp.path.find_step import find_part
-from handlcp.grasp.path.path_model import FrictionArrays, LimitArrays, PathModel, limit_shares, margins
+from handlcp.grasp.path.path_model import FrictionArrays, LimitArrays, PathModel, PathReader, limit_shares, margins
 from handlcp.grasp.path.solve_step import SETTLED, StepOptions
 from handlcp.grasp.path.state import Controls, Failure, Goal, Guess, Jump, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper, StepState, controls_of, controls_row
@@ -32,6 +33,7 @@ from handlcp.progress import report_progress
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 ACCURACY = 1e-3  # of the largest force: the error of a step, unless something else is asked
+_BREATH = 256  # tries of compiled code between two looks at it
 _STAGE_UNIT = 2.0**-3  # of a stage that has an end: in this unit the shortest steps are counted
 _NO_LIMITS = LimitArrays(np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0), np.full(2, np.inf))
 
@@ -118,9 +120,10 @@ class Leg:
         origin = np.zeros(0) if number else self._own.row_of(run.states[0])
         base = base if beyond is None else beyond.first
         tries = patience.tries * max(1.0, (ACCURACY / accuracy) ** 0.5)
+        breath = 1 if stepper.compiled is None else _BREATH
         self.stage = StageArrays(
             begin, end, base, _STAGE_UNIT if beyond is None else beyond.first, 1.0 if beyond is None else beyond.most,
-            beyond is not None, limits, stands, at, loads, accuracy, tries, patience.snaps, origin,
+            beyond is not None, limits, stands, at, loads, accuracy, tries, patience.snaps, breath, origin,
         )  # fmt: skip
         slides, jump = [-1 if one is None else -2 for one in (run.slides, run.jump)]
         self.trace = new_trace(state, len(begin), run.slipped[-1], base, slides, jump)
@@ -129,7 +132,7 @@ class Leg:
 
     def _shares(self, limits: LimitArrays, at: Array, state: State) -> Array:
         with np.errstate(all="ignore"):
-            return np.asarray(limit_shares(self.model, limits, at, self._own.row_of(state)))
+            return np.asarray(limit_shares(self.model.read, limits, at, self._own.row_of(state)))
 
     def through(self, pause: bool = False) -> bool:
         """Whether the end of the stage is reached. pause : stop where a contact has slid as far as it may, too; called
@@ -137,8 +140,13 @@ class Leg:
         """
         while True:
             self._own.report(self.trace.leg[0].share)
+            leg = self.trace.leg[0]
+            known, events, snaps = int(leg.number), int(leg.events), int(leg.snaps)
             with np.errstate(all="ignore"):  # as compiled code
                 how = continue_stage(self.model, self.stage, self.trace, pause)
+            if self._own.crosses(self.trace, known):
+                leg.number, leg.events, leg.snaps, leg.status = known, events, snaps, int(PathStatus.CROSSES)
+                how = OVER
             if how == FULL:
                 self.trace = with_more_room(self.trace)
             elif how == ASKS:
@@ -187,7 +195,7 @@ class Leg:
 
     def margins(self, state: State) -> Array:
         """(n, 2) how far each contact is from sliding and from opening [N]."""
-        return np.asarray(margins(self.model, self._own.row_of(state)))
+        return np.asarray(margins(self.model.read, self._own.row_of(state)))
 
     def seen(self, number: int, share: float) -> State:
         """The state at a share of this stage that lies between a state of the run and the next one."""
@@ -198,8 +206,7 @@ class Leg:
         size, row = run.shares[number + 1] - begin, np.empty(t.rows.shape[1])
         before, t.leg[0].before = float(t.leg[0].before), 0.0
         with np.errstate(all="ignore"):
-            part = (share - begin) / size
-            status = find_part(self.model, self.stage, t, t.rows[k], t.rows[k + 1], begin, size, part, row)
+            status = part_of_step(self.model, self.stage, t, k, (share - begin) / size, row)
         t.leg[0].before = before
         return self._own.state_of(row) if status == SETTLED else state
 
@@ -209,12 +216,11 @@ class _OwnSteps:
 
     def __init__(self, stepper: Stepper, name: str, beyond: Open | None) -> None:
         self._stepper, self._name, self._open = stepper, name, beyond is not None
-        self._states, self.crossed = list[State](), ""
+        self._states, self.crossed, self._told = list[State](), "", ""
         own: dict[str, Callable[..., Any]] = {}
         if stepper.compiled is None:
             own = {
-                "take_step": self._take_step, "move_unloaded": self._move_unloaded, "seek_state": self._seek_state,
-                "crosses": self._crosses, "note_share": self.report,
+                "take_step": self._take_step, "move_unloaded": self._move_unloaded
             }  # fmt: skip
         if beyond is not None and not isinstance(until := beyond.until, Bounds):
             own["excess"] = lambda g, row: until(self.state_of(row))
@@ -241,11 +247,13 @@ class _OwnSteps:
     def report(self, share: float) -> None:
         """Say how far the stage is."""
         at = f"{share:.3g} times the load" if self._open else words.format_percent(share)
-        report_progress(f"stage {self._name!r} at {at}")
+        self._told = f"stage {self._name!r} at {at}"
+        report_progress(self._told)
 
     def _take_step(
         self, before: Array, controls: Array, guess: Array, start: Array, asked: StepOptions, row: Array
     ) -> int:
+        report_progress(self._told)
         state, where = self.state_of(before), self._stepper.geometry.where_of(guess.copy())
         made = Guess(where, start.copy(), state.gives)
         return self._written(self._stepper.step_in_python(state, controls_of(controls.copy()), made, asked), row)
@@ -253,19 +261,22 @@ class _OwnSteps:
     def _move_unloaded(self, before: Array, controls: Array, row: Array) -> int:
         return self._written(self._stepper.untouched(self.state_of(before), controls_of(controls.copy())), row)
 
-    def _seek_state(self, trace: Trace, before: Array, controls: Array, row: Array) -> int:
-        found = self._stepper.sought(self.state_of(before), controls_of(controls.copy()))
-        return -1 if found is None else self._written(found, row)
-
     def _written(self, found: State | Failure, row: Array) -> int:
         if isinstance(found, Failure):
             return int(found.status)
         row[:] = self.row_of(found)
         return SETTLED
 
-    def _crosses(self, rows: Array, number: int, ends: bool) -> bool:
-        states = [self.state_of(row) for row in rows[max(number - 1, 0) :]]
-        self.crossed = self._stepper.crosses(states, min(number, 1), ends)
+    def crosses(self, trace: Trace, known: int) -> bool:
+        """Whether a tendon crosses a body on the way to the states of a trace beyond so many, or close by, where they
+        end.
+        """
+        if self._stepper.compiled is not None:
+            return False
+        leg = trace.leg[0]
+        ends = leg.status >= PathStatus.RUNS_AWAY
+        states = [self.state_of(row) for row in trace.rows[max(known - 2, 0) : leg.number]]
+        self.crossed = self._stepper.crosses(states, min(known - 1, 1), ends)
         return bool(self.crossed)
 
 
@@ -277,10 +288,11 @@ def path_model(stepper: Stepper, watch: Watch, own: Any = None) -> PathModel:
     friction = FrictionArrays(
         stepper.friction, stepper.lever, laws.laws.soft, laws.laws.scale, faces, flat, laws.pattern.normals
     )  # fmt: skip
-    return PathModel(
-        own, stepper.compiled, geometry.poses, stepper.layout.starts, stepper.sizes, stepper.damper, friction,
-        laws.laws.freedom, limit_arrays(watch.limits), watch.near, watch.max_slip, stepper.springs, geometry.noise,
+    read = PathReader(
+        geometry.poses, stepper.layout.starts, stepper.sizes, stepper.damper, friction, laws.laws.freedom,
+        limit_arrays(watch.limits), watch.near, watch.max_slip, stepper.springs, geometry.noise,
     )  # fmt: skip
+    return PathModel(own, stepper.compiled, read)
 
 
 def limit_arrays(limits: StateLimits) -> LimitArrays:

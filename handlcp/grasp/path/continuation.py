@@ -34,6 +34,8 @@ from handlcp.grasp.path.locate_event import excess, excess_slip, first_change, l
 from handlcp.grasp.path.path_model import (
     PENDING,
     PathModel,
+    PathReader,
+    PathSteps,
     any_slides,
     carries,
     controls_between,
@@ -63,20 +65,20 @@ _SAFETY, _LEAST_SHARE, _MOST_SHARE = 0.8, 0.1, 3.0  # of the step that the error
 _NO_PUSH = np.zeros(0)
 
 # How a call ends: the stage is over, and `leg.status` says how; a contact has slid as far as it may; there is no more
-# room in the trace; Python is asked for a state (`seek_state`), or for a word that the path goes on
+# room in the trace; Python is asked for a state (`seek_state`), or looks at what was found
 OVER, PAUSED, FULL, ASKS, BREATHES = 0, 1, 2, 3, 4
 _GOES, _ENDS = 0, 1  # of a try
-_BREATH = 256  # tries
 _REACHED, _LIMIT, _UNBOUNDED = int(PathStatus.REACHED), int(PathStatus.LIMIT), int(PathStatus.UNBOUNDED)
 _UNSTABLE, _PUSHED_OUT, _LOOSE = int(PathStatus.UNSTABLE), int(PathStatus.PUSHED_OUT), int(PathStatus.LOOSE)
 _NO_FORCES, _LEAPS, _JUMPS = int(PathStatus.NO_FORCES), int(PathStatus.LEAPS), int(PathStatus.JUMPS)
-_STUCK, _CROSSES, _SNAPS = int(PathStatus.STUCK), int(PathStatus.CROSSES), int(PathStatus.SNAPS)
-_TOO_MANY_STEPS, _FIRST_LOST = int(PathStatus.TOO_MANY_STEPS), int(PathStatus.RUNS_AWAY)
+_STUCK, _SNAPS = int(PathStatus.STUCK), int(PathStatus.SNAPS)
+_TOO_MANY_STEPS = int(PathStatus.TOO_MANY_STEPS)
 
 
 @model_kernel
-def continue_stage(m: PathModel, g: StageArrays, t: Trace, pauses: bool) -> int:
+def continue_stage(model: PathModel, g: StageArrays, t: Trace, pauses: bool) -> int:
     """Go on with a stage from where its trace is. pauses : stop where a contact has slid as far as it may, too."""
+    m = PathSteps(model.own, [model.step], model.read)
     leg = t.leg[0]
     while leg.share < g.last * (1.0 - 1e-12):
         if leg.number + 4 > len(t.rows) or leg.events + 128 > len(t.events) or leg.snaps + 2 > len(t.snaps.share):
@@ -86,37 +88,29 @@ def continue_stage(m: PathModel, g: StageArrays, t: Trace, pauses: bool) -> int:
             return _over(t, _TOO_MANY_STEPS)
         if leg.snaps > 0 and not g.goes_on_snapped:
             return _over(t, _SNAPS)
-        known, events, snaps = leg.number, leg.events, leg.snaps
-        note_share(m, leg.share)
         leg.asked = 0
         goes = advance(m, g, t)
         if goes == PENDING:
             leg.count -= 1
             return ASKS
         leg.answered = 0
-        if crosses(m, t.rows[: leg.number], known - 1, goes == _ENDS and leg.status >= _FIRST_LOST):
-            leg.number, leg.events, leg.snaps = known, events, snaps
-            return _over(t, _CROSSES)
         if goes == _ENDS:
             return OVER
         if pauses and leg.slides_number >= 0:
             return PAUSED
-        if leg.count % _BREATH == 0:
+        if leg.count % g.breath == 0:
             return BREATHES
-    if not carries(m, t.rows[leg.number - 1]) and _pushed_out(m, g, t):
+    if not carries(m.read, t.rows[leg.number - 1]) and _pushed_out(m.read, g, t):
         return _over(t, _PUSHED_OUT)
     return _over(t, _UNBOUNDED if g.is_open else _REACHED)
 
 
 @model_kernel
-def note_share(m: PathModel, share: float) -> None:
-    """Say how far the stage is, where somebody watches."""
-
-
-@model_kernel
-def crosses(m: PathModel, rows: Array, number: int, ends: bool) -> bool:
-    """Whether a tendon crosses a body from this one of the states on; where the path ends, close by, too."""
-    return False
+def part_of_step(model: PathModel, g: StageArrays, t: Trace, number: int, part: float, row: Array) -> int:
+    """Write the state at a part of the step from this state of a trace to the next one; as `solve_step` returns it."""
+    m, share = PathSteps(model.own, [model.step], model.read), t.shares[number]
+    size = t.shares[number + 1] - share
+    return find_part(m, g, t, t.rows[number], t.rows[number + 1], share, size, part, row)
 
 
 @kernel
@@ -126,7 +120,7 @@ def _over(t: Trace, status: int) -> int:
 
 
 @model_kernel
-def advance(m: PathModel, g: StageArrays, t: Trace) -> int:
+def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     """One try of a step; whether the path goes on, or PENDING."""
     leg = t.leg[0]
     share, state, size = leg.share, t.rows[leg.number - 1], min(leg.step, g.last - leg.share)
@@ -140,42 +134,42 @@ def advance(m: PathModel, g: StageArrays, t: Trace) -> int:
         status = _LEAPS
     if status != SETTLED:
         return _continue_failed(m, g, t, state, status, size)
-    if carries(m, state):
+    if carries(m.read, state):
         size *= first_change(m, g, t, state, found, share, size)
     earlier, ratio = state, 0.0
     if leg.before > 0.0:
         earlier, ratio = t.rows[leg.number - 2], size / leg.before
-    error = estimate_error(m, state, found, earlier, ratio) if carries(m, found) else 0.0
+    error = estimate_error(m.read, state, found, earlier, ratio) if carries(m.read, found) else 0.0
     if error > g.accuracy and size > FINEST * g.unit:
         leg.step = size * _suggested(g, error)
         return _GOES
-    kinds = read_state(found, m.state).kinds
-    if not is_same(kinds, t.calm) and growth(m, found) > GROWS:
+    kinds = read_state(found, m.read.state).kinds
+    if not is_same(kinds, t.calm) and growth(m.read, found) > GROWS:
         unstable = found.copy()
         size, breaks = _stable_step(m, g, t, state, found, share, size)
         if breaks == PENDING:
             return PENDING
         if breaks != 0:
-            return _leave_balance(m, g, t, found, share + size, found if is_measured(m, found) else unstable)
+            return _leave_balance(m, g, t, found, share + size, found if is_measured(m.read, found) else unstable)
     if g.is_open and excess(m, g, found) > 0.0:
         size = locate_limit(m, g, t, state, found, share, size, True)
-        _add(m, g, t, found, share + size, error)
+        _add(m.read, g, t, found, share + size, error)
         leg.status = _LIMIT
         return _ENDS
-    slides = g.loads and leg.slides_number == -1 and excess_slip(m, t, found) > 0.0
+    slides = g.loads and leg.slides_number == -1 and excess_slip(m.read, t, found) > 0.0
     if slides:
         size = locate_limit(m, g, t, state, found, share, size, False)
-    leg.speed = distance(m, state, found) / size
+    leg.speed = distance(m.read, state, found) / size
     leg.share = share + size
-    happens = _add(m, g, t, found, leg.share, error)
+    happens = _add(m.read, g, t, found, leg.share, error)
     if slides:
         leg.slides_share, leg.slides_number = leg.share, leg.number - 1
-    if carries(m, state) and not carries(m, found) and read_state(found, m.state).controls[8] == 0.0:
+    if carries(m.read, state) and not carries(m.read, found) and read_state(found, m.read.state).controls[8] == 0.0:
         leg.status = _LOOSE
         return _ENDS
     leg.before = 0.0 if happens else size
     most = np.inf if happens else size * (1.0 if leg.failed != 0 else _suggested(g, error))
-    leg.step = _next_step(m, g, t, found, most, size)
+    leg.step = _next_step(m.read, g, t, found, most, size)
     leg.failed = 0
     return _GOES
 
@@ -186,8 +180,8 @@ def _suggested(g: StageArrays, error: float) -> float:
     return float(min(max(_SAFETY * (g.accuracy / max(error, 1e-300)) ** 0.5, _LEAST_SHARE), _MOST_SHARE))
 
 
-@model_kernel
-def _next_step(m: PathModel, g: StageArrays, t: Trace, found: Array, most: float, size: float) -> float:
+@kernel
+def _next_step(m: PathReader, g: StageArrays, t: Trace, found: Array, most: float, size: float) -> float:
     """The step after one of this size. Of an open stage it grows with the load, the faster where nothing slides."""
     leg = t.leg[0]
     if leg.share >= leg.ends:
@@ -203,8 +197,8 @@ def _next_step(m: PathModel, g: StageArrays, t: Trace, found: Array, most: float
     return min(step, most)
 
 
-@model_kernel
-def _add(m: PathModel, g: StageArrays, t: Trace, found: Array, share: float, error: float) -> bool:
+@kernel
+def _add(m: PathReader, g: StageArrays, t: Trace, found: Array, share: float, error: float) -> bool:
     """Write the next state down. Whether anything happens on the way to it."""
     leg, out = t.leg[0], np.empty((64, 2))
     k = leg.number
@@ -220,8 +214,8 @@ def _add(m: PathModel, g: StageArrays, t: Trace, found: Array, share: float, err
     return count > 0
 
 
-@model_kernel
-def _pushed_out(m: PathModel, g: StageArrays, t: Trace) -> bool:
+@kernel
+def _pushed_out(m: PathReader, g: StageArrays, t: Trace) -> bool:
     """Whether nothing is held at the end, and the object has been pushed away by fingers that close."""
     number, far = t.leg[0].number, False
     first = t.rows[min(1, number - 1)] if len(g.origin) == 0 else g.origin
@@ -233,29 +227,29 @@ def _pushed_out(m: PathModel, g: StageArrays, t: Trace) -> bool:
 
 @model_kernel
 def _leaps(
-    m: PathModel, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float
+    m: PathSteps, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float
 ) -> bool:  # fmt: skip
     """Whether the step may have jumped over a snap: it ends much farther away than the last step did, or far from where
     the last two led. Without a last step: whether its half ends far from its middle.
     """
-    leg, far = t.leg[0], distance(m, state, found)
+    leg, far = t.leg[0], distance(m.read, state, found)
     if leg.speed > 0.0 and far > no_snap(t, size):
         return True
     if far <= MIN_SNAP_DISTANCE:
         return False
     expected, ends = state.copy(), found
     if leg.before > 0.0:
-        where, _ = guess_between(m, t.rows[leg.number - 2], state, 1.0 + min(size / leg.before, ALONG))
+        where, _ = guess_between(m.read, t.rows[leg.number - 2], state, 1.0 + min(size / leg.before, ALONG))
     elif size <= 2.0 * FINEST * g.unit:
         return False
     else:
-        where, _ = guess_between(m, state, found, 0.5)
+        where, _ = guess_between(m.read, state, found, 0.5)
         ends = np.empty(len(found))
         if find_part(m, g, t, state, found, share, size, 0.5, ends) != SETTLED:
             return True
         far *= 0.5
-    read_state(expected, m.state).where[:] = where
-    return distance(m, expected, ends) > MIN_SNAP_DISTANCE + _BENDS * far
+    read_state(expected, m.read.state).where[:] = where
+    return distance(m.read, expected, ends) > MIN_SNAP_DISTANCE + _BENDS * far
 
 
 @kernel
@@ -269,7 +263,7 @@ def no_snap(t: Trace, size: float) -> float:
 
 
 @model_kernel
-def _continue_failed(m: PathModel, g: StageArrays, t: Trace, state: Array, why: int, size: float) -> int:
+def _continue_failed(m: PathSteps, g: StageArrays, t: Trace, state: Array, why: int, size: float) -> int:
     """A step without a solution is halved; where the shortest has none, the object moves on in a viscous flow.
     Whether the path goes on, or PENDING.
     """
@@ -279,13 +273,13 @@ def _continue_failed(m: PathModel, g: StageArrays, t: Trace, state: Array, why: 
     if size > (_EXACT if known else FINEST) * g.unit:
         leg.step = size / 2.0
         return _GOES
-    if known and leg.then != STUCK and _jumps(m, g, t, state):
+    if known and leg.then != STUCK and _jumps(m.read, g, t, state):
         leg.status = _JUMPS
         return _ENDS
     if known and leg.then != MOVES:
         return _stop(t, int(leg.then), why)
     until, near = leg.ends if known else share + size, np.inf
-    if not known and _may_jump(m, g, t, state):  # where it comes to rest is asked once the jump is located exactly
+    if not known and _may_jump(m.read, g, t, state):  # where it comes to rest is asked once the jump is located exactly
         near = no_snap(t, size)
     end = np.empty(len(state))
     how = flow(m, t, state, controls_between(g.begin, g.end, until), _NO_PUSH, near, end)
@@ -293,16 +287,16 @@ def _continue_failed(m: PathModel, g: StageArrays, t: Trace, state: Array, why: 
         return PENDING
     snapped = False
     if how != MOVES and how != STUCK:
-        snapped = _snaps(m, g, t, state, end, share, until, how == REST, np.zeros(6))
+        snapped = _snaps(m.read, g, t, state, end, share, until, how == REST, np.zeros(6))
     if how != REST:
         leg.ends, leg.then, leg.step = until, how, size / 2.0
         return _stop(t, how, why) if known else _GOES
-    if snapped and _jumps(m, g, t, state):
+    if snapped and _jumps(m.read, g, t, state):
         leg.status = _JUMPS
         return _ENDS
     leg.share, leg.ends = until, np.inf
-    leg.speed = 0.0 if snapped else distance(m, state, end) / (until - share)
-    _add(m, g, t, end, until, 0.0)
+    leg.speed = 0.0 if snapped else distance(m.read, state, end) / (until - share)
+    _add(m.read, g, t, end, until, 0.0)
     leg.step, leg.before = min(_AFTER * FINEST * g.unit, g.base), 0.0
     return _GOES
 
@@ -316,25 +310,25 @@ def _stop(t: Trace, how: int, why: int) -> int:
 
 @model_kernel
 def _stable_step(
-    m: PathModel, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float
+    m: PathSteps, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float
 ) -> tuple[float, int]:  # fmt: skip
     """(size, whether a small push grows): the step up to where a push begins to grow, and write the state there into
     `found`; the whole step where a push that seemed to grow comes to rest where the object was. PENDING in place of
     that word.
     """
     end, middle, whole = np.empty(len(found)), np.empty(len(found)), found.copy()
-    how = flow(m, t, found, read_state(found, m.state).controls, _push(m, found, growing_motion(m, found)),
-               np.inf, end)  # fmt: skip
+    controls, push = read_state(found, m.read.state).controls, _push(m.read, found, growing_motion(m.read, found))
+    how = flow(m, t, found, controls, push, np.inf, end)
     if how == PENDING:
         return size, PENDING
-    if how == REST and distance(m, found, end) < _SAME:
-        t.calm[:] = read_state(found, m.state).kinds
+    if how == REST and distance(m.read, found, end) < _SAME:
+        t.calm[:] = read_state(found, m.read.state).kinds
         return size, 0
     low, high = 0.0, 1.0
     found[:] = state
     for _ in range(_HALVED):
         part = 0.5 * (low + high)
-        if find_part(m, g, t, state, whole, share, size, part, middle) != SETTLED or growth(m, middle) > GROWS:
+        if find_part(m, g, t, state, whole, share, size, part, middle) != SETTLED or growth(m.read, middle) > GROWS:
             high = part
         else:
             low = part
@@ -343,33 +337,37 @@ def _stable_step(
 
 
 @model_kernel
-def _leave_balance(m: PathModel, g: StageArrays, t: Trace, state: Array, share: float, grows: Array) -> int:
+def _leave_balance(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float, grows: Array) -> int:
     """Whether the path goes on, or PENDING: the object, pushed a little under slightly more load, comes to rest
     elsewhere. It is pushed in the motion that grows in the state `grows`, in which that was measured.
     """
     leg = t.leg[0]
     more = min(share + 2.0**-_HALVED * g.unit, g.last)
-    moves, near, end = growing_motion(m, grows), np.inf, np.empty(len(state))
-    if _may_jump(m, g, t, state) and g.is_open:
+    moves, near, end = growing_motion(m.read, grows), np.inf, np.empty(len(state))
+    if _may_jump(m.read, g, t, state) and g.is_open:
         near = no_snap(t, more - share)
-    how = flow(m, t, state, controls_between(g.begin, g.end, more), _push(m, state, moves), near, end)
+    how = flow(m, t, state, controls_between(g.begin, g.end, more), _push(m.read, state, moves), near, end)
     if how == PENDING:
         return PENDING
     if share > leg.share:
-        _add(m, g, t, state, share, 0.0)
+        _add(m.read, g, t, state, share, 0.0)
         leg.share = share
-    if how != STUCK and _snaps(m, g, t, state, end, share, more, how == REST, moves) and _jumps(m, g, t, state):
+    if (
+        how != STUCK
+        and _snaps(m.read, g, t, state, end, share, more, how == REST, moves)
+        and _jumps(m.read, g, t, state)
+    ):
         leg.status = _JUMPS
         return _ENDS
     if how == REST:
-        _add(m, g, t, end, more, 0.0)
+        _add(m.read, g, t, end, more, 0.0)
         leg.share = more
     leg.step, leg.before = g.base, 0.0
     return _GOES if how == REST else _stop(t, how, _UNSTABLE)
 
 
-@model_kernel
-def _push(m: PathModel, state: Array, moves: Array) -> Array:
+@kernel
+def _push(m: PathReader, state: Array, moves: Array) -> Array:
     """(6,) a small wrench along a motion."""
     size, forces = 0.0, read_state(state, m.state).forces
     for i in range(len(forces)):
@@ -380,9 +378,9 @@ def _push(m: PathModel, state: Array, moves: Array) -> Array:
     return push
 
 
-@model_kernel
+@kernel
 def _snaps(
-    m: PathModel, g: StageArrays, t: Trace, state: Array, end: Array, share: float, until: float, rests: bool,
+    m: PathReader, g: StageArrays, t: Trace, state: Array, end: Array, share: float, until: float, rests: bool,
     pushed: Array,
 ) -> bool:  # fmt: skip
     """Note that the object has moved from one state to another under a load that stays, unless it has moved on as
@@ -407,14 +405,14 @@ def _snaps(
     return True
 
 
-@model_kernel
-def _may_jump(m: PathModel, g: StageArrays, t: Trace, state: Array) -> bool:
+@kernel
+def _may_jump(m: PathReader, g: StageArrays, t: Trace, state: Array) -> bool:
     """Whether the object is loaded, and has not jumped yet."""
     return carries(m, state) and g.loads and t.leg[0].jump_number == -1
 
 
-@model_kernel
-def _jumps(m: PathModel, g: StageArrays, t: Trace, state: Array) -> bool:
+@kernel
+def _jumps(m: PathReader, g: StageArrays, t: Trace, state: Array) -> bool:
     """Note that a loaded object jumps here; whether that ends the path, as it does one to a load limit."""
     leg = t.leg[0]
     if _may_jump(m, g, t, state):

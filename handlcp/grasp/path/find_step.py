@@ -15,7 +15,8 @@ from handlcp.grasp.path.path_model import (
     PENDING,
     SLIDES,
     STICKS,
-    PathModel,
+    PathReader,
+    PathSteps,
     any_slides,
     carries,
     controls_between,
@@ -46,19 +47,19 @@ _NO_FORCES = int(PathStatus.NO_FORCES)
 
 
 @model_kernel
-def find_step(m: PathModel, g: StageArrays, t: Trace, state: Array, share: float, size: float, row: Array) -> int:
+def find_step(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float, size: float, row: Array) -> int:
     """Write the end of one step, solved from where the last two led; where that has no solution, from the last
     state.
     """
-    leg, controls, old = t.leg[0], controls_between(g.begin, g.end, share + size), read_state(state, m.state)
-    where, start, loaded, predicted = old.where, old.start, carries(m, state), leg.before > 0.0
+    leg, controls, old = t.leg[0], controls_between(g.begin, g.end, share + size), read_state(state, m.read.state)
+    where, start, loaded, predicted = old.where, old.start, carries(m.read, state), leg.before > 0.0
     if predicted:
-        where, start = guess_between(m, t.rows[leg.number - 2], state, 1.0 + min(size / leg.before, ALONG))
+        where, start = guess_between(m.read, t.rows[leg.number - 2], state, 1.0 + min(size / leg.before, ALONG))
     if _second_order(m, leg.before, state, controls, where, start, size, row):
         return SETTLED
     status = _first_order(m, state, controls, where, start, row)
     if status != SETTLED and predicted and size < _ALONE * g.unit:
-        status = take_step(m, state, controls, old.where, old.start, _asked(m), row)
+        status = take_step(m, state, controls, old.where, old.start, _quasistatic(m.read.sizes.slow), row)
     if status != SETTLED and not loaded:
         status = move_unloaded(m, state, controls, row)
         if status != SETTLED:
@@ -67,67 +68,67 @@ def find_step(m: PathModel, g: StageArrays, t: Trace, state: Array, share: float
         status = SETTLED
     # All solvers are asked for a step that Newton's method does not solve: where contacts stay where they are it is one
     # solve however long the step is, elsewhere only once no shorter step has a solution
-    if status != SETTLED and leg.ends == np.inf and (size <= FINEST * g.unit or not m.poses.follows):
-        sought = seek_state(m, t, state, controls, row)
+    if status != SETTLED and leg.ends == np.inf and (size <= FINEST * g.unit or not m.read.poses.follows):
+        sought = seek_state(t, state, controls, row)
         if sought in (SETTLED, PENDING):
             status = sought
     return status
 
 
-@model_kernel
-def _asked(m: PathModel) -> StepOptions:
-    """Of a quasi-static step."""
-    return StepOptions(m.sizes.slow, 1.0, _NO_PAST, False)
+@kernel
+def _quasistatic(slow: float) -> StepOptions:
+    """Of a step with this h of its damper."""
+    return StepOptions(slow, 1.0, _NO_PAST, False)
 
 
 @model_kernel
 def _second_order(
-    m: PathModel, before: float, state: Array, controls: Array, where: Array, start: Array, size: float, row: Array
+    m: PathSteps, before: float, state: Array, controls: Array, where: Array, start: Array, size: float, row: Array
 ) -> bool:  # fmt: skip
     """A step of second order: friction opposes the slip at its end, as a parabola through the last two steps has it
     (BDF2); before : the last of them. Whether there is one: not where a contact that slid sticks, which would stick to
     that parabola. On flat faces slip keeps to its face's normal, and a step of first order is exact.
     """
-    if before == 0.0 or m.friction.faces > 0 or not any_slides(m, state):
+    if before == 0.0 or m.read.friction.faces > 0 or not any_slides(m.read, state):
         return False
-    old, ratio = read_state(state, m.state), size / before
+    old, ratio = read_state(state, m.read.state), size / before
     part, past = ratio**2 / (1.0 + 2.0 * ratio), np.zeros((len(old.kinds), 3))
     for i in range(len(past)):
         if old.kinds[i] == SLIDES:
             past[i, 0], past[i, 1] = part * old.motion[i, 0], part * old.motion[i, 1]
             past[i, 2] = part * old.spin[i]
-    if take_step(m, state, controls, where, start, StepOptions(m.sizes.slow, 1.0, past, False), row) != SETTLED:
+    if take_step(m, state, controls, where, start, StepOptions(m.read.sizes.slow, 1.0, past, False), row) != SETTLED:
         return False
-    kinds, fits = read_state(row, m.state).kinds, True
+    kinds, fits = read_state(row, m.read.state).kinds, True
     for i in range(len(kinds)):
         fits = fits and not (old.kinds[i] == SLIDES and kinds[i] == STICKS)
     return fits
 
 
 @model_kernel
-def _first_order(m: PathModel, state: Array, controls: Array, where: Array, start: Array, row: Array) -> int:
+def _first_order(m: PathSteps, state: Array, controls: Array, where: Array, start: Array, row: Array) -> int:
     """A step after a change, where the last two say nothing. Friction is continuous there: on round sets slip begins
     along where friction pushes, and ends along where it pushes then; of both its way is the mean (trapezoidal rule).
     """
-    status = take_step(m, state, controls, where, start, _asked(m), row)
-    if status != SETTLED or m.friction.faces > 0 or not (any_slides(m, state) and any_slides(m, row)):
+    status = take_step(m, state, controls, where, start, _quasistatic(m.read.sizes.slow), row)
+    if status != SETTLED or m.read.friction.faces > 0 or not (any_slides(m.read, state) and any_slides(m.read, row)):
         return status
-    push = friction_shares(m, state)
-    if on_same_face(m, push, friction_shares(m, row)).all():
+    push = friction_shares(m.read, state)
+    if on_same_face(m.read, push, friction_shares(m.read, row)).all():
         return status
-    old, end, past = read_state(state, m.state), read_state(row, m.state), slip_toward(m, -push, row)
+    old, end, past = read_state(state, m.read.state), read_state(row, m.read.state), slip_toward(m.read, -push, row)
     for i in range(len(past)):
         past[i] *= 0.5 if old.kinds[i] == SLIDES and end.kinds[i] == SLIDES else 0.0
     better = np.empty(len(row))
-    asked = StepOptions(m.sizes.slow, 1.0, past, False)
+    asked = StepOptions(m.read.sizes.slow, 1.0, past, False)
     again = take_step(m, state, controls, end.where, end.start, asked, better)
-    if again == SETTLED and is_same(read_state(better, m.state).kinds, end.kinds):
+    if again == SETTLED and is_same(read_state(better, m.read.state).kinds, end.kinds):
         row[:] = better
     return status
 
 
 @model_kernel
-def _push_ahead(m: PathModel, state: Array, controls: Array, where: Array, start: Array, row: Array) -> int:
+def _push_ahead(m: PathSteps, state: Array, controls: Array, where: Array, start: Array, row: Array) -> int:
     """A step in which fingers may push ahead of them an object that nothing holds, against a damper that is large
     enough to compute with. The forces of that are none.
     """
@@ -135,7 +136,10 @@ def _push_ahead(m: PathModel, state: Array, controls: Array, where: Array, start
     status = take_step(m, state, controls, where, start, asked, row)
     if status != SETTLED:
         return status
-    end, most = read_state(row, m.state), m.sizes.slow / _FREE * NO_FORCE * m.sizes.stiffness * m.sizes.length
+    end, most = (
+        read_state(row, m.read.state),
+        m.read.sizes.slow / _FREE * NO_FORCE * m.read.sizes.stiffness * m.read.sizes.length,
+    )
     for i in range(len(end.kinds)):
         if end.forces[i, 2] > most:
             return _NO_FORCES
@@ -144,11 +148,11 @@ def _push_ahead(m: PathModel, state: Array, controls: Array, where: Array, start
 
 
 @model_kernel
-def _branch(m: PathModel, state: Array, controls: Array, row: Array) -> bool:
+def _branch(m: PathSteps, state: Array, controls: Array, row: Array) -> bool:
     """A short step in which other contacts stick and slide than Newton's method expects: those at the limit of their
     friction may do either. The one in which the fewest do otherwise and forces go on; whether there is one.
     """
-    old, left, f = read_state(state, m.state), margins(m, state), m.friction.coefficients
+    old, left, f = read_state(state, m.read.state), margins(m.read, state), m.read.friction.coefficients
     n, may, count = len(old.kinds), np.empty(len(old.kinds), np.int64), 0
     for i in range(n):
         limit = f[i] * old.forces[i, 2]
@@ -156,7 +160,7 @@ def _branch(m: PathModel, state: Array, controls: Array, row: Array) -> bool:
         if limit > 0.0 and (old.kinds[i] == SLIDES or near):
             may[count] = i
             count += 1
-    size, tried = largest_force(m, state), 0
+    size, tried = largest_force(m.read, state), 0
     for flips in range(1, count + 1):
         chosen = np.arange(flips)
         while tried < _MOST_BRANCHES:
@@ -164,9 +168,9 @@ def _branch(m: PathModel, state: Array, controls: Array, row: Array) -> bool:
             slides = old.kinds == SLIDES
             for k in chosen:
                 slides[may[k]] = not slides[may[k]]
-            start = _expecting(m, state, slides)
-            settled = take_step(m, state, controls, old.where, start, _asked(m), row) == SETTLED
-            if settled and _largest_change(read_state(row, m.state).forces, old.forces) <= _GOES_ON * size:
+            start = _expecting(m.read, state, slides)
+            settled = take_step(m, state, controls, old.where, start, _quasistatic(m.read.sizes.slow), row) == SETTLED
+            if settled and _largest_change(read_state(row, m.read.state).forces, old.forces) <= _GOES_ON * size:
                 return True
             if not _next_combination(chosen, count):
                 break
@@ -195,8 +199,8 @@ def _largest_change(a: Array, b: Array) -> float:
     return largest
 
 
-@model_kernel
-def _expecting(m: PathModel, state: Array, slides: Array) -> Array:
+@kernel
+def _expecting(m: PathReader, state: Array, slides: Array) -> Array:
     """The start of a step from a state in which these contacts (n,) slide, and others that press stick."""
     old, shares, soft = read_state(state, m.state), friction_shares(m, state), m.friction.soft
     n, c = len(old.kinds), len(m.friction.scale)
@@ -215,12 +219,12 @@ def _expecting(m: PathModel, state: Array, slides: Array) -> Array:
 
 @model_kernel
 def find_part(
-    m: PathModel, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float, part: float,
+    m: PathSteps, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float, part: float,
     row: Array,
 ) -> int:  # fmt: skip
     """Write the state at a part of a step that is known to have a solution."""
     controls = controls_between(g.begin, g.end, share + part * size)
-    where, start = guess_between(m, state, found, part)
+    where, start = guess_between(m.read, state, found, part)
     if _second_order(m, t.leg[0].before, state, controls, where, start, part * size, row):
         return SETTLED
     return _first_order(m, state, controls, where, start, row)

@@ -10,7 +10,8 @@ from handlcp.check import Array
 from handlcp.grasp.path.linearise import read_place
 from handlcp.grasp.path.path_model import (
     PENDING,
-    PathModel,
+    PathReader,
+    PathSteps,
     any_slides,
     carries,
     distance,
@@ -48,7 +49,7 @@ _NO_PAST = np.zeros((0, 3))
 
 
 @model_kernel
-def flow(m: PathModel, t: Trace, begin: Array, controls: Array, push: Array, most: float, end: Array) -> int:
+def flow(m: PathSteps, t: Trace, begin: Array, controls: Array, push: Array, most: float, end: Array) -> int:
     """Write the state in which the object comes to rest (REST), or the last before it leaves: no contact left, or it is
     far away (GONE), or it neither rests nor goes on (CREEPS). STUCK: forces balance the load there, but no static state
     is found; of the object that says nothing. PENDING: see `seek_state`.
@@ -57,49 +58,48 @@ def flow(m: PathModel, t: Trace, begin: Array, controls: Array, push: Array, mos
     has moved farther is not followed on (MOVES).
     """
     h, speed, off, buckles, pushed = _FIRST, 0.0, np.inf, False, len(push) > 0
-    longest = _longest_step(m, begin) if pushed else m.sizes.slow
+    longest = _longest_step(m.read, begin) if pushed else m.read.sizes.slow
     pulled = pushed or controls[:6].any() or controls[6] != 0.0
-    was_loaded, farthest = carries(m, begin), _FAR * max(reach(m, begin), 1.0)
+    was_loaded, farthest = carries(m.read, begin), _FAR * max(reach(m.read, begin), 1.0)
     found, with_push = np.empty(len(begin)), controls.copy()
     if pushed:
         with_push[:6] += push
     end[:] = begin
     for count in range(_MOST):
-        note_flow(m)
         alone = not pushed or count >= _PUSHED
-        under, state = controls if alone else with_push, read_state(end, m.state)
+        under, state = controls if alone else with_push, read_state(end, m.read.state)
         status = take_step(m, end, under, state.where, state.start, StepOptions(h, _ROUGH, _NO_PAST, buckles), found)
-        if status != SETTLED or distance(m, end, found) > _STEP:
+        if status != SETTLED or distance(m.read, end, found) > _STEP:
             h /= 4.0
             if h < _LEAST:
                 if alone:
-                    sought = seek_state(m, t, end, controls, found)
+                    sought = seek_state(t, end, controls, found)
                     if sought == PENDING:
                         return PENDING
-                    if sought == SETTLED and distance(m, end, found) < _STEP:
+                    if sought == SETTLED and distance(m.read, end, found) < _STEP:
                         end[:] = found
                         return REST
-                if buckles or not m.poses.follows:
+                if buckles or not m.read.poses.follows:
                     return CREEPS
                 h, buckles = _FIRST, True
             continue
-        off, before = resistance(m, end, found, h), speed
-        speed = distance(m, end, found) / h
+        off, before = resistance(m.read, end, found, h), speed
+        speed = distance(m.read, end, found) / h
         end[:] = found
-        loaded = carries(m, end)
+        loaded = carries(m.read, end)
         if not loaded and not pulled and not was_loaded:
             end[:] = begin
             return STUCK  # nothing moves an object on which nothing acts
-        gone = distance(m, begin, end)
+        gone = distance(m.read, begin, end)
         if not loaded or gone > farthest:
             return GONE
         if gone > most:
             return MOVES
         if off < _CALM and speed <= before and alone:
-            state = read_state(end, m.state)
-            asked = StepOptions(m.sizes.slow, 1.0, _NO_PAST, False)
+            state = read_state(end, m.read.state)
+            asked = StepOptions(m.read.sizes.slow, 1.0, _NO_PAST, False)
             settled = take_step(m, end, controls, state.where, state.start, asked, found) == SETTLED
-            if settled and distance(m, end, found) < _NEAR:
+            if settled and distance(m.read, end, found) < _NEAR:
                 end[:] = found
                 return REST
             if pushed:  # longer steps would lead back to the state that it was pushed out of
@@ -108,13 +108,8 @@ def flow(m: PathModel, t: Trace, begin: Array, controls: Array, push: Array, mos
     return STUCK if off < _CALM else CREEPS
 
 
-@model_kernel
-def note_flow(m: PathModel) -> None:
-    """Say that the object moves on, where somebody watches."""
-
-
-@model_kernel
-def seek_state(m: PathModel, t: Trace, before: Array, controls: Array, row: Array) -> int:
+@kernel
+def seek_state(t: Trace, before: Array, controls: Array, row: Array) -> int:
     """Write a state that all methods of a single solve find at the contacts where they are, which is Python's work.
     SETTLED; PENDING: it is written down in the trace as asked for, and the call that needs it is made again once the
     answer is there; else that these find none.
@@ -132,14 +127,14 @@ def seek_state(m: PathModel, t: Trace, before: Array, controls: Array, row: Arra
     return PENDING
 
 
-@model_kernel
-def resistance(m: PathModel, a: Array, b: Array, h: float) -> float:
+@kernel
+def resistance(m: PathReader, a: Array, b: Array, h: float) -> float:
     """What the object's damper takes in a step with h, as a share of the normal forces."""
     return m.sizes.slow / h * damper_share(m.sizes, m.damper, motion(m, a, b), read_state(b, m.state).forces)
 
 
-@model_kernel
-def _longest_step(m: PathModel, row: Array) -> float:
+@kernel
+def _longest_step(m: PathReader, row: Array) -> float:
     """The longest step of a flow that begins with a push: no more than half the time in which the push grows to e times
     itself. A longer implicit step leads back to the state that it was pushed out of. Where contacts slide S says more
     growth than there is, and where they are detected on meshes it is too rough to say how much.
@@ -164,15 +159,15 @@ def _longest_step(m: PathModel, row: Array) -> float:
 GROWS = 1e-4
 
 
-@model_kernel
-def is_measured(m: PathModel, row: Array) -> bool:
+@kernel
+def is_measured(m: PathReader, row: Array) -> bool:
     """Whether S is known: not in the state that a path begins with, nor where no force turns."""
     s = read_state(row, m.state)
     return bool(s.tally[1] != 0.0 and np.isfinite(s.met).all())
 
 
-@model_kernel
-def growth(m: PathModel, row: Array) -> float:
+@kernel
+def growth(m: PathReader, row: Array) -> float:
     """How fast a small push grows: the largest real part of S's eigenvalues, over the fingers' stiffness, or `GROWS`
     where it is no larger and that takes no eigenvalues to see. NaN where it was not measured: no force turns.
     """
@@ -208,8 +203,8 @@ def shrinks(S: Array, most: float) -> bool:
     return True
 
 
-@model_kernel
-def growing_motion(m: PathModel, row: Array) -> Array:
+@kernel
+def growing_motion(m: PathReader, row: Array) -> Array:
     """(6,) unit motion that grows in a state, world axes, moments over the contacts' distance. Of two opposite motions
     that are as likely, always the same is taken: the one along the object's own axes.
     """

@@ -6,7 +6,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.path.find_step import find_part, is_same
-from handlcp.grasp.path.path_model import PathModel, limit_shares, margins, model_kernel, slip_lengths
+from handlcp.grasp.path.path_model import PathReader, PathSteps, limit_shares, margins, model_kernel, slip_lengths
 from handlcp.grasp.path.solve_step import SETTLED, read_state
 from handlcp.grasp.path.trace import StageArrays, Trace
 from handlcp.lcp.kernels.dense import kernel
@@ -19,19 +19,19 @@ _HALVED = 14  # times a step, at most, where a limit is reached
 
 
 @model_kernel
-def excess(m: PathModel, g: StageArrays, row: Array) -> float:
+def excess(m: PathSteps, g: StageArrays, row: Array) -> float:
     """How far a state is beyond a limit that was set, as a share of it; of what stands at its limit before the load
     grows only what is truly beyond.
     """
-    worst, shares = -1.0, limit_shares(m, g.limits, g.at, row)
+    worst, shares = -1.0, limit_shares(m.read, g.limits, g.at, row)
     for k in range(len(shares)):
         if shares[k] - 1.0 > worst and not (g.stands_at[k] and shares[k] - 1.0 <= OVER_LIMIT_TOLERANCE):
             worst = shares[k] - 1.0
     return worst
 
 
-@model_kernel
-def excess_slip(m: PathModel, t: Trace, row: Array) -> float:
+@kernel
+def excess_slip(m: PathReader, t: Trace, row: Array) -> float:
     """How much farther than it may a contact has slid at the end of a step to this state, as a share."""
     worst, slips, before = 0.0, slip_lengths(m, row), t.slipped[t.leg[0].number - 1]
     for i in range(len(slips)):
@@ -41,14 +41,21 @@ def excess_slip(m: PathModel, t: Trace, row: Array) -> float:
 
 @model_kernel
 def first_change(
-    m: PathModel, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float
+    m: PathSteps, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float
 ) -> float:  # fmt: skip
     """The part of a step up to just behind the first change of a contact that held, and write the state there into
     `found`; 1 where none changes.
     """
-    if is_same(read_state(state, m.state).kinds, read_state(found, m.state).kinds):
+    if is_same(read_state(state, m.read.state).kinds, read_state(found, m.read.state).kinds):
         return 1.0
-    whole, middle, low, high, a, b = found.copy(), np.empty(len(found)), 0.0, 1.0, margins(m, state), margins(m, found)
+    whole, middle, low, high, a, b = (
+        found.copy(),
+        np.empty(len(found)),
+        0.0,
+        1.0,
+        margins(m.read, state),
+        margins(m.read, found),
+    )
     falls = np.zeros((2, len(a), 2))  # how fast margins fall on each side of it, once two parts on that side are known
     for _ in range(_LOOKS):
         if not _any_changes(a, b) or high - low < _CLOSE:
@@ -58,7 +65,7 @@ def first_change(
             break
         if find_part(m, g, t, state, whole, share, size, part, middle) != SETTLED:
             break
-        now = margins(m, middle)
+        now = margins(m.read, middle)
         if _any_changes(a, now):
             falls[1], high, b = (b - now) / (part - high), part, now
             found[:] = middle
@@ -100,20 +107,20 @@ def _crossing(low: float, high: float, a: Array, b: Array, falls: Array) -> floa
 
 @model_kernel
 def locate_limit(
-    m: PathModel, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float, limits: bool
+    m: PathSteps, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float, limits: bool
 ) -> float:  # fmt: skip
     """The step up to where an excess, of limits or of slip, negative at its beginning and positive at its end `found`,
     is zero, by regula falsi, and write the state there into `found`; to just beyond it where no shorter step that is
     tried has a solution.
     """
     low, high, whole, best, middle = 0.0, 1.0, found.copy(), found.copy(), np.empty(len(found))
-    a = excess(m, g, state) if limits else excess_before(m, t)
-    a, b = min(a, -_ON), excess(m, g, found) if limits else excess_slip(m, t, found)
+    a = excess(m, g, state) if limits else excess_before(m.read, t)
+    a, b = min(a, -_ON), excess(m, g, found) if limits else excess_slip(m.read, t, found)
     for _ in range(_HALVED):
         part = low + (high - low) * min(max(-a / (b - a), 0.02), 0.98) if b > a else 0.5 * (low + high)
         if find_part(m, g, t, state, whole, share, size, part, middle) != SETTLED:
             break
-        value = excess(m, g, middle) if limits else excess_slip(m, t, middle)
+        value = excess(m, g, middle) if limits else excess_slip(m.read, t, middle)
         if value > 0.0:
             high, b = part, value
             found[:] = middle
@@ -130,8 +137,8 @@ def locate_limit(
     return high * size
 
 
-@model_kernel
-def excess_before(m: PathModel, t: Trace) -> float:
+@kernel
+def excess_before(m: PathReader, t: Trace) -> float:
     """That of slip before a step."""
     worst, before = 0.0, t.slipped[t.leg[0].number - 1]
     for i in range(len(before)):

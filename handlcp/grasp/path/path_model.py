@@ -50,9 +50,9 @@ _NO_FORCES = int(PathStatus.NO_FORCES)
 
 
 class ModelKernel(Kernel):
-    """A kernel whose first argument is a `PathModel`: compiled, unless that brings something in Python."""
+    """A kernel whose first argument is a path's model: compiled, unless that brings something in Python."""
 
-    def __call__(self, model: PathModel, *args: Any) -> Any:
+    def __call__(self, model: PathModel | PathSteps, *args: Any) -> Any:
         """Run it, or what the model has in its place."""
         if model.own is None:
             return self.run(model, *args)
@@ -61,7 +61,7 @@ class ModelKernel(Kernel):
 
 
 def model_kernel(function: F) -> F:
-    """Compile a function of a `PathModel`, as `kernel` does."""
+    """Compile a function of a path's model, as `kernel` does."""
     return cast(F, ModelKernel(function))
 
 
@@ -90,16 +90,13 @@ class LimitArrays(NamedTuple):
     motion: Array
 
 
-class PathModel(NamedTuple):
-    """A grasp as a path reads it. own : what is Python of it; None: nothing. step : a `StepModel`, all that compiled
-    steps read; None: they are Python. state : where the parts of a state's row begin. damper (6,) : as in `StepModel`.
-    freedom (dof, 6) : as in `Laws`. limits : torques, tensions and ranges that are watched. near : gaps up to this are
-    none [m]. max_slip (n,) [m]. springs (2, nv) : torque of springs beside drives at q = 0, and its rate. noise : of
-    the geometry.
+class PathReader(NamedTuple):
+    """What is read of the states of a path. state : where the parts of a state's row begin. damper (6,) : as in
+    `StepModel`. freedom (dof, 6) : as in `Laws`. limits : torques, tensions and ranges that are watched. near : gaps up
+    to this are none [m]. max_slip (n,) [m]. springs (2, nv) : torque of springs beside drives at q = 0, and its rate.
+    noise : of the geometry.
     """
 
-    own: Any
-    step: Any
     poses: Poses
     state: Ints
     sizes: Sizes
@@ -113,29 +110,49 @@ class PathModel(NamedTuple):
     noise: float
 
 
+class PathModel(NamedTuple):
+    """A grasp as a path is given it. own : what is Python of it; None: nothing. step : a `StepModel`, all that compiled
+    steps read; None: they are Python.
+    """
+
+    own: Any
+    step: Any
+    read: PathReader
+
+
+class PathSteps(NamedTuple):
+    """The same within compiled code, where each function would be handed hundreds of numbers anew, of all arrays of a
+    step: steps (1,) : a list, which is handed on as one.
+    """
+
+    own: Any
+    steps: list[Any]
+    read: PathReader
+
+
 # ----------------------------------------------------------------
 # Steps: what a model may have its own way of.
 
 
 @model_kernel
 def take_step(
-    m: PathModel, before: Array, controls: Array, guess: Array, start: Array, asked: StepOptions, row: Array
+    m: PathSteps, before: Array, controls: Array, guess: Array, start: Array, asked: StepOptions, row: Array
 ) -> int:
     """Write the state under other controls, as `solve_step`."""
-    return solve_step(m.step, before, controls, guess, start, asked, row)
+    return solve_step(m.steps[0], before, controls, guess, start, asked, row)
 
 
 @model_kernel
-def move_unloaded(m: PathModel, before: Array, controls: Array, row: Array) -> int:
+def move_unloaded(m: PathSteps, before: Array, controls: Array, row: Array) -> int:
     """Write a state in which no contact carries anything and nothing pulls the object: fingers go where they are
     commanded, and the object stays. What overlaps by no more than just touches presses nothing: the forces of so little
     would be those of rounding. As `solve_step` returns it.
     """
-    s, poses = m.step, m.poses
+    s, poses = m.steps[0], m.read.poses
     pulls = controls[8] == 0.0 and controls[6] != 0.0 and s.weight.any()
     if pulls or controls[:6].any() or s.rules.laws.sags != 0.0 or not poses.follows:
         return _NO_FORCES
-    old, end = read_state(before, m.state), read_state(row, m.state)
+    old, end = read_state(before, m.read.state), read_state(row, m.read.state)
     n = len(old.kinds)
     row[:] = 0.0
     was, stood, at = read_place(poses, old.where), read_place(poses, old.at), read_place(poses, end.where)
@@ -169,21 +186,21 @@ def _placed(c: Contacts) -> Placed:
 # What a state says.
 
 
-@model_kernel
-def motion(m: PathModel, a: Array, b: Array) -> Array:
+@kernel
+def motion(m: PathReader, a: Array, b: Array) -> Array:
     """(6,) of the object from state a to state b: of its reference point [m], and turned [rad]."""
     before, after = read_state(a, m.state).where, read_state(b, m.state).where
     return pose_difference(m.poses, read_place(m.poses, before).pose, read_place(m.poses, after).pose)
 
 
-@model_kernel
-def distance(m: PathModel, a: Array, b: Array) -> float:
+@kernel
+def distance(m: PathReader, a: Array, b: Array) -> float:
     """How far the object is apart in two states, as a share of the contacts' distances from their centre."""
     return pose_distance(m.sizes.length, motion(m, a, b))
 
 
-@model_kernel
-def reach(m: PathModel, row: Array) -> float:
+@kernel
+def reach(m: PathReader, row: Array) -> float:
     """The farthest contact's distance from the reference, as a share of the same."""
     s, farthest = read_state(row, m.state), 0.0
     moved = pose_displacement(m.poses, read_place(m.poses, s.at).pose)
@@ -195,8 +212,8 @@ def reach(m: PathModel, row: Array) -> float:
     return math.sqrt(farthest) / m.sizes.length
 
 
-@model_kernel
-def largest_force(m: PathModel, row: Array) -> float:
+@kernel
+def largest_force(m: PathReader, row: Array) -> float:
     """Of all components [N]."""
     largest = 0.0
     for x in read_state(row, m.state).forces.reshape(-1):
@@ -204,20 +221,20 @@ def largest_force(m: PathModel, row: Array) -> float:
     return largest
 
 
-@model_kernel
-def any_slides(m: PathModel, row: Array) -> bool:
+@kernel
+def any_slides(m: PathReader, row: Array) -> bool:
     """Whether a contact slides."""
     return bool((read_state(row, m.state).kinds == SLIDES).any())
 
 
-@model_kernel
-def carries(m: PathModel, row: Array) -> bool:
+@kernel
+def carries(m: PathReader, row: Array) -> bool:
     """Whether a contact carries anything."""
     return is_loaded(read_state(row, m.state).kinds)
 
 
-@model_kernel
-def slip_lengths(m: PathModel, row: Array) -> Array:
+@kernel
+def slip_lengths(m: PathReader, row: Array) -> Array:
     """(n,) how far contacts that press slid in the step to a state [m]."""
     s = read_state(row, m.state)
     out = np.zeros(len(s.kinds))
@@ -227,8 +244,8 @@ def slip_lengths(m: PathModel, row: Array) -> Array:
     return out
 
 
-@model_kernel
-def margins(m: PathModel, row: Array) -> Array:
+@kernel
+def margins(m: PathReader, row: Array) -> Array:
     """(n, 2) of each contact: how far it is from sliding and from opening, in newtons; below 0, what it has slid and
     opened in the step, as the force that would take it back.
     """
@@ -248,8 +265,8 @@ def margins(m: PathModel, row: Array) -> Array:
     return out
 
 
-@model_kernel
-def friction_shares(m: PathModel, row: Array) -> Array:
+@kernel
+def friction_shares(m: PathReader, row: Array) -> Array:
     """(n, 3) friction as a share of its limit, along x, y and about z, in coordinates in which the laws are round;
     zeros where nothing presses.
     """
@@ -268,8 +285,8 @@ def friction_shares(m: PathModel, row: Array) -> Array:
     return out
 
 
-@model_kernel
-def on_same_face(m: PathModel, a: Array, b: Array) -> Bools:
+@kernel
+def on_same_face(m: PathReader, a: Array, b: Array) -> Bools:
     """(n,) whether friction, as `friction_shares` has it, lies on one flat face, on which slip does not turn."""
     f = m.friction
     out = np.zeros(len(a), np.bool_)
@@ -296,8 +313,8 @@ def _farthest_along(normals: Array, x: Array) -> int:
     return best
 
 
-@model_kernel
-def slip_toward(m: PathModel, direction: Array, row: Array) -> Array:
+@kernel
+def slip_toward(m: PathReader, direction: Array, row: Array) -> Array:
     """(n, 3) as long a slip as that of the step to a state, but along `direction` (n, 3), in the coordinates of
     `friction_shares`; along x and y [m] and about z [rad].
     """
@@ -321,8 +338,8 @@ def slip_toward(m: PathModel, direction: Array, row: Array) -> Array:
     return out
 
 
-@model_kernel
-def estimate_error(m: PathModel, state: Array, found: Array, earlier: Array, ratio: float) -> float:
+@kernel
+def estimate_error(m: PathReader, state: Array, found: Array, earlier: Array, ratio: float) -> float:
     """Estimated error of the forces at the end of a step, as a share of the largest: friction opposes the slip at the
     end, whose direction is known to second order.
 
@@ -350,8 +367,8 @@ def estimate_error(m: PathModel, state: Array, found: Array, earlier: Array, rat
 # Limits, and what happens.
 
 
-@model_kernel
-def limit_shares(m: PathModel, limits: LimitArrays, at: Array, row: Array) -> Array:
+@kernel
+def limit_shares(m: PathReader, limits: LimitArrays, at: Array, row: Array) -> Array:
     """Shares of the limits, as `failure_mode.limit_shares`: (nv + t,) of torques and tensions, (nv,) of ranges, 2 of
     the object's motion from `at` (6,) on. NaN where a torque is.
     """
@@ -377,8 +394,8 @@ def limit_shares(m: PathModel, limits: LimitArrays, at: Array, row: Array) -> Ar
 OPENS, TOUCHES, SLIPS, STICKS_AGAIN, OVER, SLACK, YIELDS, RANGE = 0, 1, 2, 3, 4, 6, 8, 10
 
 
-@model_kernel
-def write_events(m: PathModel, a: Array, b: Array, out: Array) -> int:
+@kernel
+def write_events(m: PathReader, a: Array, b: Array, out: Array) -> int:
     """Write (code, who) of what happens from one state to the next, into out (·, 2), as far as there is room. How many
     of them there are.
     """
@@ -447,8 +464,8 @@ def controls_between(begin: Array, end: Array, share: float) -> Array:
     return out
 
 
-@model_kernel
-def guess_between(m: PathModel, a: Array, b: Array, share: float) -> tuple[Array, Array]:
+@kernel
+def guess_between(m: PathReader, a: Array, b: Array, share: float) -> tuple[Array, Array]:
     """(configuration, start) that are expected at this share of the way from state a to state b, beyond b above 1."""
     first, second = read_state(a, m.state), read_state(b, m.state)
     where, start = np.empty(len(first.where)), second.start.copy()
