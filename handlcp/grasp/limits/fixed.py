@@ -17,7 +17,7 @@ from handlcp.grasp.failure.failure_text import explain_limit
 from handlcp.grasp.limits.answered import alone, slid_contacts
 from handlcp.grasp.limits.followed import Allowed, followed_limit, resting_stage
 from handlcp.grasp.limits.further import largest_held
-from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST, REACHED, TURNS, Watch
+from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST, RAY, REACHED, TURNS, Watch
 from handlcp.grasp.limits.kernels.onward import faces_reached, onward
 from handlcp.grasp.limits.kernels.parts import CLOSED, CLOSES, OPEN, OPENS, Place, none_known
 from handlcp.grasp.limits.kernels.rates import points_before_jump, slides_at
@@ -109,7 +109,7 @@ def slip_shares(system: System, begun: Start, max_slip: Array) -> tuple[Array, A
         per_slip /= scene.scale
     slid = np.zeros(scene.n)
     if len(begun.path):
-        slides_at(p, per_slip[scene.kind.index], slid, begun.path, np.empty(begun.path.shape[1]))
+        slides_at(p, per_slip[scene.kind.index], slid, begun.path, np.empty(begun.path.shape[1]), False)
     return np.ascontiguousarray(per_slip[scene.kind.index]), slid
 
 
@@ -237,12 +237,15 @@ def fixed_limit(
     lost = None if not binds or binds[0].kind in (TORQUE, RANGE, MOTION) else factor
     at, slides = np.empty(points.shape[1]), None  # of where a contact has slid as far as it may
     per_slip, slid = slip_shares(system, begun, allowed.max_slip)
-    if factor > 0.0 and slides_at(p, per_slip, slid, points[:count], at):
+    endless = status == RAY and not np.isnan(points[count, 0])
+    seen = points[: count + 1] if endless else points[:count]
+    if factor > 0.0 and slides_at(p, per_slip, slid, seen, at, endless):
         slides, then = float(at[0]), ""
         factor = slides
         binds = slid_contacts(spec.names, slid)
         before = points[:count][points[:count, 0] < factor]
-        path = TracedPath(system, wrench, np.vstack([before, at]), slid_place(system, at), path)
+        whole = path if factor <= points[count - 1, 0] else None
+        path = TracedPath(system, wrench, np.vstack([before, at]), slid_place(system, at), whole)
         happened += tuple([LimitEvent(SLIDES, one.who, factor) for one in binds])
     later = _later(explain_limit(binds, factor, wrench, spec, then), path, factor, lost, slides, happened)
     return LoadLimit(factor, wrench, binds, "fixed", later, first, slides, EVENT_TOLERANCE)

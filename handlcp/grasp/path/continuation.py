@@ -45,6 +45,7 @@ from handlcp.grasp.path.path_model import (
     model_kernel,
     motion,
     slip_lengths,
+    steps_kernel,
     write_events,
 )
 from handlcp.grasp.path.solve_step import SETTLED, read_state
@@ -119,7 +120,7 @@ def _over(t: Trace, status: int) -> int:
     return OVER
 
 
-@model_kernel
+@steps_kernel
 def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     """One try of a step; whether the path goes on, or PENDING."""
     leg = t.leg[0]
@@ -225,7 +226,7 @@ def _pushed_out(m: PathReader, g: StageArrays, t: Trace) -> bool:
     return far
 
 
-@model_kernel
+@steps_kernel
 def _leaps(
     m: PathSteps, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float
 ) -> bool:  # fmt: skip
@@ -262,7 +263,7 @@ def no_snap(t: Trace, size: float) -> float:
 # Where no step has a solution, or where a small push grows.
 
 
-@model_kernel
+@steps_kernel
 def _continue_failed(m: PathSteps, g: StageArrays, t: Trace, state: Array, why: int, size: float) -> int:
     """A step without a solution is halved; where the shortest has none, the object moves on in a viscous flow.
     Whether the path goes on, or PENDING.
@@ -308,7 +309,7 @@ def _stop(t: Trace, how: int, why: int) -> int:
     return _ENDS
 
 
-@model_kernel
+@steps_kernel
 def _stable_step(
     m: PathSteps, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float
 ) -> tuple[float, int]:  # fmt: skip
@@ -336,7 +337,7 @@ def _stable_step(
     return low * size, 1
 
 
-@model_kernel
+@steps_kernel
 def _leave_balance(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float, grows: Array) -> int:
     """Whether the path goes on, or PENDING: the object, pushed a little under slightly more load, comes to rest
     elsewhere. It is pushed in the motion that grows in the state `grows`, in which that was measured.

@@ -24,10 +24,10 @@ from handlcp.grasp.path.path_model import (
     guess_between,
     largest_force,
     margins,
-    model_kernel,
     move_unloaded,
     on_same_face,
     slip_toward,
+    steps_kernel,
     take_step,
 )
 from handlcp.grasp.path.solve_step import NO_FORCE, SETTLED, StepOptions, read_state
@@ -46,7 +46,7 @@ _NO_PAST = np.zeros((0, 3))
 _NO_FORCES = int(PathStatus.NO_FORCES)
 
 
-@model_kernel
+@steps_kernel
 def find_step(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float, size: float, row: Array) -> int:
     """Write the end of one step, solved from where the last two led; where that has no solution, from the last
     state.
@@ -81,7 +81,7 @@ def _quasistatic(slow: float) -> StepOptions:
     return StepOptions(slow, 1.0, _NO_PAST, False)
 
 
-@model_kernel
+@steps_kernel
 def _second_order(
     m: PathSteps, before: float, state: Array, controls: Array, where: Array, start: Array, size: float, row: Array
 ) -> bool:  # fmt: skip
@@ -105,7 +105,7 @@ def _second_order(
     return fits
 
 
-@model_kernel
+@steps_kernel
 def _first_order(m: PathSteps, state: Array, controls: Array, where: Array, start: Array, row: Array) -> int:
     """A step after a change, where the last two say nothing. Friction is continuous there: on round sets slip begins
     along where friction pushes, and ends along where it pushes then; of both its way is the mean (trapezoidal rule).
@@ -127,7 +127,7 @@ def _first_order(m: PathSteps, state: Array, controls: Array, where: Array, star
     return status
 
 
-@model_kernel
+@steps_kernel
 def _push_ahead(m: PathSteps, state: Array, controls: Array, where: Array, start: Array, row: Array) -> int:
     """A step in which fingers may push ahead of them an object that nothing holds, against a damper that is large
     enough to compute with. The forces of that are none.
@@ -147,7 +147,7 @@ def _push_ahead(m: PathSteps, state: Array, controls: Array, where: Array, start
     return SETTLED
 
 
-@model_kernel
+@steps_kernel
 def _branch(m: PathSteps, state: Array, controls: Array, row: Array) -> bool:
     """A short step in which other contacts stick and slide than Newton's method expects: those at the limit of their
     friction may do either. The one in which the fewest do otherwise and forces go on; whether there is one.
@@ -217,7 +217,7 @@ def _expecting(m: PathReader, state: Array, slides: Array) -> Array:
     return start
 
 
-@model_kernel
+@steps_kernel
 def find_part(
     m: PathSteps, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float, part: float,
     row: Array,

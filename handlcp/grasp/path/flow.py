@@ -15,9 +15,9 @@ from handlcp.grasp.path.path_model import (
     any_slides,
     carries,
     distance,
-    model_kernel,
     motion,
     reach,
+    steps_kernel,
     take_step,
 )
 from handlcp.grasp.path.solve_step import SETTLED, StepOptions, damper_share, read_state
@@ -48,7 +48,7 @@ _GROWN = 0.5  # times the time in which a push grows
 _NO_PAST = np.zeros((0, 3))
 
 
-@model_kernel
+@steps_kernel
 def flow(m: PathSteps, t: Trace, begin: Array, controls: Array, push: Array, most: float, end: Array) -> int:
     """Write the state in which the object comes to rest (REST), or the last before it leaves: no contact left, or it is
     far away (GONE), or it neither rests nor goes on (CREEPS). STUCK: forces balance the load there, but no static state

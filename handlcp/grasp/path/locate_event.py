@@ -6,7 +6,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.path.find_step import find_part, is_same
-from handlcp.grasp.path.path_model import PathReader, PathSteps, limit_shares, margins, model_kernel, slip_lengths
+from handlcp.grasp.path.path_model import PathReader, PathSteps, limit_shares, margins, slip_lengths, steps_kernel
 from handlcp.grasp.path.solve_step import SETTLED, read_state
 from handlcp.grasp.path.trace import StageArrays, Trace
 from handlcp.lcp.kernels.dense import kernel
@@ -18,7 +18,7 @@ _LOOKS = 8  # for a change
 _HALVED = 14  # times a step, at most, where a limit is reached
 
 
-@model_kernel
+@steps_kernel
 def excess(m: PathSteps, g: StageArrays, row: Array) -> float:
     """How far a state is beyond a limit that was set, as a share of it; of what stands at its limit before the load
     grows only what is truly beyond.
@@ -39,7 +39,7 @@ def excess_slip(m: PathReader, t: Trace, row: Array) -> float:
     return worst - 1.0
 
 
-@model_kernel
+@steps_kernel
 def first_change(
     m: PathSteps, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float
 ) -> float:  # fmt: skip
@@ -105,7 +105,7 @@ def _crossing(low: float, high: float, a: Array, b: Array, falls: Array) -> floa
     return max(least, low)
 
 
-@model_kernel
+@steps_kernel
 def locate_limit(
     m: PathSteps, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float, limits: bool
 ) -> float:  # fmt: skip

@@ -55,14 +55,25 @@ class ModelKernel(Kernel):
     def __call__(self, model: PathModel | PathSteps, *args: Any) -> Any:
         """Run it, or what the model has in its place."""
         if model.own is None:
-            return self.run(model, *args)
+            return self.interpret(model, *args) if self.is_inner else self.run(model, *args)
         own = getattr(model.own, self.function.__name__, None)
         return self.function(model, *args) if own is None else own(*args)
 
 
+class _StepsKernel(ModelKernel):
+    """One of `PathSteps`, which Python has none of: Python calls it as Python."""
+
+    is_inner = True
+
+
 def model_kernel(function: F) -> F:
-    """Compile a function of a path's model, as `kernel` does."""
+    """Compile a function of a `PathModel`, as `kernel` does."""
     return cast(F, ModelKernel(function))
+
+
+def steps_kernel(function: F) -> F:
+    """Compile a function of `PathSteps`, as `kernel` does."""
+    return cast(F, _StepsKernel(function))
 
 
 class FrictionArrays(NamedTuple):
@@ -134,7 +145,7 @@ class PathSteps(NamedTuple):
 # Steps: what a model may have its own way of.
 
 
-@model_kernel
+@steps_kernel
 def take_step(
     m: PathSteps, before: Array, controls: Array, guess: Array, start: Array, asked: StepOptions, row: Array
 ) -> int:
@@ -142,7 +153,7 @@ def take_step(
     return solve_step(m.steps[0], before, controls, guess, start, asked, row)
 
 
-@model_kernel
+@steps_kernel
 def move_unloaded(m: PathSteps, before: Array, controls: Array, row: Array) -> int:
     """Write a state in which no contact carries anything and nothing pulls the object: fingers go where they are
     commanded, and the object stays. What overlaps by no more than just touches presses nothing: the forces of so little

@@ -28,6 +28,7 @@ def dispatcher(kernel: Any) -> Any:
         if kernel.jit is None:
             typeof_impl.register(type(kernel))(_typeof)
             options = {"error_model": "numpy", "nogil": True, "no_cfunc_wrapper": True}
+            options["no_cpython_wrapper"] = kernel.is_inner
             jit = numba.njit(**options, pipeline_class=link.KernelCompiler)(kernel.function)
             jit._cache = KernelCache(kernel.function)
             jit.compile = lambda types: _compile(jit, types)

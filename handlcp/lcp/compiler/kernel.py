@@ -40,6 +40,8 @@ class Kernel:
     divisions by zero and overflow.
     """
 
+    is_inner = False  # whether compiled code alone calls it: what Python needs to call it is not compiled
+
     def __init__(self, function: Callable[..., Any]) -> None:
         update_wrapper(self, function)
         self.function, self.run = function, self._run_or_fetch

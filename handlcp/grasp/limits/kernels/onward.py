@@ -115,6 +115,7 @@ def onward(
         status = WATCHED
     else:
         status = RAY if ends == UNBOUNDED else GIVES_UP
+        path[points, 0] = np.nan  # where it goes on from there was not looked at
     return status, factor, which, events, points
 
 
@@ -143,7 +144,9 @@ def onward_each(
         known_points = points_before_jump(p, watch.moves, length, path[:count])
         if known_points < count:
             status, count = JUMPS, known_points
-        if not slides_at(p, per_slip, slips[a], path[:count], points[a]):
+        endless = status == RAY and known_points == count and not np.isnan(path[count, 0])
+        last = count + 1 if endless else count
+        if not slides_at(p, per_slip, slips[a], path[:last], points[a], endless):
             points[a, 0] = np.nan
         answers[a, 0], answers[a, 1], answers[a, 2], answers[a, 3] = status, which, factor, events
         ends[a, :n] = s.closed

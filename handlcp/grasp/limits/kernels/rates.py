@@ -221,11 +221,13 @@ def _settle(p: Parts, s: Place, closed: Ints, kinds: Ints, index: Ints, gamma: A
 # Where on a path a contact that presses has slid as far as it may.
 
 _PRESSES = 1e-9  # of the largest force
+_CREEPS = 1e-7  # of how far a contact may slide, on a ray under as much load more: less is rounding
 
 
 @kernel
-def slides_at(p: Parts, per_slip: Array, slid: Array, path: Array, point: Array) -> bool:
-    """Whether one has, and write where: a point as `path` (·, 1 + m + dof + k) has them.
+def slides_at(p: Parts, per_slip: Array, slid: Array, path: Array, point: Array, endless: bool) -> bool:
+    """Whether one has, and write where: a point as `path` (·, 1 + m + dof + k) has them. endless : whether a path goes
+    on as it ends, without an end.
 
     per_slip (m,) : one over how far each contact may slide, by its tangential components, 0 by others. slid (n,) : how
     far contacts have slid before, as a share of that; it grows up to the point, or to the end of the path.
@@ -233,7 +235,8 @@ def slides_at(p: Parts, per_slip: Array, slid: Array, path: Array, point: Array)
     m, dof, k = len(p.E), len(p.G), len(p.rows)
     v, more = np.zeros(m), np.zeros(len(slid))
     for a in range(1, len(path)):
-        d, force, first = path[a] - path[a - 1], 0.0, 1.0
+        d, force, goes_on = path[a] - path[a - 1], 0.0, endless and a == len(path) - 1
+        first = np.inf if goes_on else 1.0
         for i in range(m):
             v[i] = 0.0
             force = max(force, abs(path[a, 1 + i]))
@@ -252,8 +255,10 @@ def slides_at(p: Parts, per_slip: Array, slid: Array, path: Array, point: Array)
                 if t >= 0:
                     more[i] += (v[t] * per_slip[t]) ** 2
             more[i] = np.sqrt(more[i])
-            if slid[i] + more[i] >= 1.0:
+            if slid[i] + more[i] >= 1.0 or (goes_on and more[i] > _CREEPS):
                 first = min(first, max((1.0 - slid[i]) / more[i], 0.0) if more[i] > 0.0 else 0.0)
+        if first == np.inf:
+            return False
         for i in range(len(slid)):
             slid[i] += first * more[i]
         if slid.max() >= 1.0 - _TINY:

@@ -45,7 +45,7 @@ def trace(
     """(how it ends, load factor, what was watched, events, points): the path from s under the load factor · w (dof,).
 
     s is changed to where it ends, and so is `known`. log (EVENTS, 3) : factor, kind and number of each event. path
-    (EVENTS, 1 + m + dof + k) : factor, r, u and give at each point.
+    (EVENTS, 1 + m + dof + k) : factor, r, u and give at each point; of a ray one more behind them, on it.
     """
     factor, events, points, idle = 0.0, 0, 0, 0
     before = kinds_of(p, s)
@@ -66,6 +66,7 @@ def trace(
             return TURNS, factor, -1, events, points
         status, step, which = _straight(p, s, rates, end - factor, watch)
         if status == RAY:
+            _mark_ahead(path, points, factor, s, rates)
             return RAY, np.inf, -1, events, points
         factor += step
         idle = 0 if step > 0.0 else idle + 1
@@ -86,6 +87,16 @@ def _mark(path: Array, points: int, factor: float, s: Place) -> int:
     path[points, 1 + m : 1 + m + dof] = s.u
     path[points, 1 + m + dof :] = s.give
     return points + 1
+
+
+@kernel
+def _mark_ahead(path: Array, points: int, factor: float, s: Place, rates: Rates) -> None:
+    """Write, behind the last point, where a path without an end has come to with as much load more."""
+    more, m, dof = max(factor, 1.0), len(s.r), len(s.u)
+    path[points, 0] = factor + more
+    path[points, 1 : 1 + m] = s.r + more * rates.r
+    path[points, 1 + m : 1 + m + dof] = s.u + more * rates.u
+    path[points, 1 + m + dof :] = s.give + more * rates.give
 
 
 @kernel
