@@ -5,6 +5,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError, UnknownName
+from tests.paths.corpus import case_of
 from tests.support.limits import limit_in_steps
 
 C, N = 1e-3, 5.0  # flexibility of each contact [m/N], and its normal force [N]
@@ -57,6 +58,31 @@ def test_each_contact_may_have_a_distance_of_its_own_and_inf_is_any():
     endless = grasp.load_limit(Z, max_slip=np.inf)
     assert endless.slides is None
     assert endless.factor == endless.lost > far
+
+
+@pytest.mark.parametrize("slip", [1e-4, 1e-3])
+def test_a_load_without_an_end_has_one_where_a_contact_has_slid_so_far(slip):
+    """A pinch above a support that bears any load: the object sinks into the support, and slides past the pinch."""
+    pinch = [hl.Contact((x, 0, 0), (-50 * x, 0, 0), 0.2, name=name) for x, name in ((-0.02, "left"), (0.02, "right"))]
+    grasp = hl.Grasp([*pinch, hl.Contact((0, 0, -0.02), (0, 0, 1), 0.2, name="below")], flexibility=C, preload=0.0)
+    grasp = grasp.replace(preload=[C * N, C * N, 0.0])
+    found = grasp.load_limit(-Z, max_slip=slip)
+    sinks = slip + C * 0.2 * N  # a contact gives way by as much as its friction moves it before it slides
+    assert found.factor == found.slides == pytest.approx(sinks / C + 2.0 * 0.2 * N, rel=1e-9)
+    assert found.lost is None
+    assert [b.who for b in found.binds] == ["left", "right"]
+    assert grasp.load_limit(-Z, max_slip=np.inf).factor == np.inf
+
+
+@pytest.mark.parametrize(("number", "direction"), [(50, 2), (86, 2), (104, 8)])
+def test_a_limit_from_event_to_event_is_held_below_and_slides_too_far_above(number, direction):
+    """On a ray that has no other end, and with a contact that slides until it lets go."""
+    case = case_of(0, number)
+    load = case.directions[direction]
+    found = case.grasp.load_limit(load, geometry="fixed", faces=case.faces)
+    assert found.binds[0].kind == "slides"
+    for share, held in ((0.98, True), (1.02, False)):
+        assert case.grasp.follow(share * found.factor * load, geometry="fixed", faces=case.faces).held == held
 
 
 def test_a_loading_and_a_check_hold_below_that_load_alone():

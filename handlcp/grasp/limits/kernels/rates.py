@@ -248,7 +248,7 @@ def slides_at(p: Parts, per_slip: Array, slid: Array, path: Array, point: Array,
                 v[i] += p.rows[b, i] * d[1 + m + dof + b]
         for i in range(len(slid)):
             more[i], j = 0.0, p.contacts[i, 0]
-            if j < 0 or min(path[a - 1, 1 + j], path[a, 1 + j]) <= _PRESSES * force:
+            if j < 0 or max(path[a - 1, 1 + j], path[a, 1 + j]) <= _PRESSES * force:
                 continue
             for b in range(1, 4):
                 t = p.contacts[i, b]
