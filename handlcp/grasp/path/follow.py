@@ -339,7 +339,7 @@ def is_followed(spec: GraspSpec, asked: Any) -> bool:
 
 def geometry_of(spec: GraspSpec, asked: Any) -> Geometry:
     """Where contacts are on a path, as `is_followed` says. Raises InputError."""
-    if spec.mechanism is None or not is_followed(spec, asked):
+    if not is_followed(spec, asked) or spec.mechanism is None:
         return FixedGeometry(spec)
     moving: Geometry = spec.mechanism.moving_geometry(spec)
     return moving
