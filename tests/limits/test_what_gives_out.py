@@ -110,7 +110,10 @@ def test_a_box_on_a_table_beside_two_fingers_has_limits_all_around():
     assert own.factor > 1.0, "check() says that it holds its load"
     limits = limits_of_grasp(grasp, DIRECTIONS, 8)
     assert (limits.factors > 1.0).all()
-    assert limits.factors[2] == np.inf, "+z presses it onto the table"
+    assert limits.binds[2][0].kind == "slides", "+z presses it onto the table, into which it sinks past the fingers"
+    assert grasp.load_limit(DIRECTIONS[2], geometry="fixed", faces=8, max_slip=np.inf).factor == np.inf
+    for share, held in ((0.98, True), (1.02, False)):
+        assert grasp.follow(share * limits.factors[2] * DIRECTIONS[2], geometry="fixed", faces=8).held == held
     # Both ways along and across the fingers are alike
     assert limits.factors[0] == pytest.approx(limits.factors[3], rel=1e-6)
     assert limits.factors[1] == pytest.approx(limits.factors[4], rel=1e-6)

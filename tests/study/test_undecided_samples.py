@@ -26,13 +26,13 @@ def cube(mass):
 
 
 @pytest.mark.parametrize(
-    ("make", "word"),
-    [(lambda: ball(0.3), "HELD"), (lambda: ball(1.1), "UNDECIDED"),
-     (lambda: whole_hand(hl.Box((0.03, 0.03, 0.05), placement=(0, 0, 0.035), mass=0.3), 0.3), "UNDECIDED")],
+    ("grasp", "word"),
+    [(ball(0.3), "HELD"), (ball(1.1), "UNDECIDED"),
+     (whole_hand(hl.Box((0.03, 0.03, 0.05), placement=(0, 0, 0.035), mass=0.3), 0.3), "UNDECIDED")],
     ids=["light ball", "heavy ball", "box that falls on the palm"],
 )  # fmt: skip
-def test_an_object_that_nothing_keeps_where_it_was_gripped_is_undecided_by_one_solve(make, word):
-    solution = make().solve()
+def test_an_object_that_nothing_keeps_where_it_was_gripped_is_undecided_by_one_solve(grasp, word):
+    solution = grasp.solve()
     assert solution.held
     assert solution.verdict.word == word
     assert bool(solution.verdict.about("large_motion")) == (word == "UNDECIDED")
