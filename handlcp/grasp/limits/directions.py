@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, check_array, read_only
+from handlcp.check import Array, check_array, check_workers, read_only
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp.failure.failure_mode import EQUILIBRIUM, OBJECT, Bind
@@ -82,7 +81,9 @@ def _in_steps(
     spec: GraspSpec, section: Section, loads: Array, allowed: Allowed, accuracy: float, geometry: str
 ) -> Limits:
     before = Before(spec, section, allowed, geometry, accuracy)
-    with ThreadPoolExecutor(os.cpu_count()) as threads:  # a path holds the interpreter's lock at its ends alone
+    with ThreadPoolExecutor(
+        min(check_workers(None), len(loads))
+    ) as threads:  # a path holds the interpreter's lock at its ends alone
         found = list(threads.map(before.limit, loads))
     factors, off = np.array([(one.factor, one.accuracy) for one in found]).T.copy()
     return Limits(loads, read_only(factors), tuple([x.binds for x in found]), geometry, read_only(off))

@@ -21,7 +21,7 @@ from handlcp.grasp.limits.answered import OWN_WRENCH, Followed, answer as answer
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import PathStatus
-from handlcp.grasp.path.advance import ACCURACY, PATIENT, Bounds, Leg, Open, Patience, advance
+from handlcp.grasp.path.advance import ACCURACY, PATIENT, Leg, Open, PathLimits, Patience, advance
 from handlcp.grasp.path.follow import TOLERANCE, begun, geometry_of, loading_of
 from handlcp.grasp.path.state import STILL, Goal, Run, Stage, State
 from handlcp.grasp.path.step import Stepper
@@ -113,7 +113,7 @@ class Before:
 
         run = Run.beginning_at(start, before.slipped[-1])
         goal = Goal(self._goals[-1].name, self._goals[-1].end._replace(load=self._beside + wrench))
-        grows = Open(_FIRST * size, min(_RAY * size, until), Bounds(limits, at, start))
+        grows = Open(_FIRST * size, min(_RAY * size, until), PathLimits(limits, at, start))
         leg = Leg(stepper, self._watch, run, 0, goal, 1.0, grows, self._accuracy, self._patience)
         leg.through(pause=True)
         slid = None

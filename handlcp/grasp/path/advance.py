@@ -13,15 +13,7 @@ from handlcp.check import Array, check_number
 from handlcp.contact.friction import limit_set
 from handlcp.grasp.failure.failure_mode import StateLimits
 from handlcp.grasp.model.status import PathStatus
-from handlcp.grasp.path.continuation import (
-    ASKS,
-    BREATHES,
-    FULL,
-    OVER,
-    PAUSED,
-    continue_stage,
-    part_of_step,
-)
+from handlcp.grasp.path.continuation import ASKS, BREATHES, FULL, OVER, PAUSED, continue_stage, part_of_step
 from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.path_model import FrictionArrays, LimitArrays, PathModel, PathReader, limit_shares, margins
 from handlcp.grasp.path.solve_step import SETTLED, StepOptions
@@ -55,7 +47,7 @@ class Patience(NamedTuple):
 PATIENT = Patience()
 
 
-class Bounds(NamedTuple):
+class PathLimits(NamedTuple):
     """Limits that end a path. limits : of torques, tensions, ranges and motion. at (6,) : the object's motion before
     the load grows. What is at its limit already then, in the state `start`, ends the path only where it goes beyond.
     """
@@ -73,7 +65,7 @@ class Open(NamedTuple):
 
     first: float
     most: float
-    until: Bounds | Callable[[State], float]
+    until: PathLimits | Callable[[State], float]
 
 
 def advance(
@@ -114,7 +106,7 @@ class Leg:
         loads = bool((begin[:6] != end[:6]).any()) or bool(begin[6] != end[6])
         limits, stands, at = _NO_LIMITS, np.zeros(2, dtype=bool), np.zeros(6)
         state = self._own.row_of(run.states[-1])
-        if beyond is not None and isinstance(beyond.until, Bounds):
+        if beyond is not None and isinstance(beyond.until, PathLimits):
             limits, at = limit_arrays(beyond.until.limits), np.array(beyond.until.at)
             stands = self._shares(limits, at, beyond.until.start) > 1.0 - OVER_LIMIT_TOLERANCE
         origin = np.zeros(0) if number else self._own.row_of(run.states[0])
@@ -139,8 +131,8 @@ class Leg:
         again it goes on from there.
         """
         while True:
-            self._own.report(self.trace.leg[0].share)
             leg = self.trace.leg[0]
+            self._own.report(leg.share)
             known, events, snaps = int(leg.number), int(leg.events), int(leg.snaps)
             with np.errstate(all="ignore"):  # as compiled code
                 how = continue_stage(self.model, self.stage, self.trace, pause)
@@ -204,10 +196,8 @@ class Leg:
         if share <= begin or number + 1 >= len(run.states):
             return state
         size, row = run.shares[number + 1] - begin, np.empty(t.rows.shape[1])
-        before, t.leg[0].before = float(t.leg[0].before), 0.0
         with np.errstate(all="ignore"):
             status = part_of_step(self.model, self.stage, t, k, (share - begin) / size, row)
-        t.leg[0].before = before
         return self._own.state_of(row) if status == SETTLED else state
 
 
@@ -219,10 +209,8 @@ class _OwnSteps:
         self._states, self.crossed, self._told = list[State](), "", ""
         own: dict[str, Callable[..., Any]] = {}
         if stepper.compiled is None:
-            own = {
-                "take_step": self._take_step, "move_unloaded": self._move_unloaded
-            }  # fmt: skip
-        if beyond is not None and not isinstance(until := beyond.until, Bounds):
+            own = {"take_step": self._take_step, "move_unloaded": self._move_unloaded}
+        if beyond is not None and not isinstance(until := beyond.until, PathLimits):
             own["excess"] = lambda g, row: until(self.state_of(row))
         self.functions = SimpleNamespace(**own) if own else None
 
@@ -280,7 +268,7 @@ class _OwnSteps:
         return bool(self.crossed)
 
 
-def path_model(stepper: Stepper, watch: Watch, own: Any = None) -> PathModel:
+def path_model(stepper: Stepper, watch: Watch, own: Any) -> PathModel:
     """What a path reads of a grasp. own : as in `PathModel`."""
     laws, geometry = stepper.laws, stepper.geometry
     faces = stepper.section.faces

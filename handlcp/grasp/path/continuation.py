@@ -53,7 +53,9 @@ from handlcp.grasp.path.trace import StageArrays, Trace
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import MIN_SNAP_DISTANCE, SNAP_RATIO
 
-_EXACT = 2.0**-18  # of it: how closely a jump or the last static state is located once there is known to be one
+_EXACT = (
+    2.0**-18
+)  # of a stage's unit: how closely a jump or the last static state is located once there is known to be one
 _ANEW = 2.0**-3  # times the usual step: the first after a change, which is of first order
 _GROWS_FREE, _GROWS_SLIDING = 0.5, 0.15  # of the load: steps of an open stage where nothing slides, and where it does
 _HALVED = 14  # times a step, where a push begins to grow
@@ -71,7 +73,7 @@ OVER, PAUSED, FULL, ASKS, BREATHES = 0, 1, 2, 3, 4
 _GOES, _ENDS = 0, 1  # of a try
 _REACHED, _LIMIT, _UNBOUNDED = int(PathStatus.REACHED), int(PathStatus.LIMIT), int(PathStatus.UNBOUNDED)
 _UNSTABLE, _PUSHED_OUT, _LOOSE = int(PathStatus.UNSTABLE), int(PathStatus.PUSHED_OUT), int(PathStatus.LOOSE)
-_NO_FORCES, _LEAPS, _JUMPS = int(PathStatus.NO_FORCES), int(PathStatus.LEAPS), int(PathStatus.JUMPS)
+_LEAPS, _JUMPS = int(PathStatus.LEAPS), int(PathStatus.JUMPS)
 _STUCK, _SNAPS = int(PathStatus.STUCK), int(PathStatus.SNAPS)
 _TOO_MANY_STEPS = int(PathStatus.TOO_MANY_STEPS)
 
@@ -108,10 +110,12 @@ def continue_stage(model: PathModel, g: StageArrays, t: Trace, pauses: bool) -> 
 
 @model_kernel
 def part_of_step(model: PathModel, g: StageArrays, t: Trace, number: int, part: float, row: Array) -> int:
-    """Write the state at a part of the step from this state of a trace to the next one; as `solve_step` returns it."""
+    """Write the state at a part of the step from this state of a trace to the next one, as a first step would find it.
+    As `solve_step` returns it.
+    """
     m, share = PathSteps(model.own, [model.step], model.read), t.shares[number]
     size = t.shares[number + 1] - share
-    return find_part(m, g, t, t.rows[number], t.rows[number + 1], share, size, part, row)
+    return find_part(m, g, 0.0, t.rows[number], t.rows[number + 1], share, size, part, row)
 
 
 @kernel
@@ -157,7 +161,7 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
         _add(m.read, g, t, found, share + size, error)
         leg.status = _LIMIT
         return _ENDS
-    slides = g.loads and leg.slides_number == -1 and excess_slip(m.read, t, found) > 0.0
+    slides = g.loads and leg.slides_number == -1 and excess_slip(m.read, t, slip_lengths(m.read, found)) > 0.0
     if slides:
         size = locate_limit(m, g, t, state, found, share, size, False)
     leg.speed = distance(m.read, state, found) / size
@@ -246,7 +250,7 @@ def _leaps(
     else:
         where, _ = guess_between(m.read, state, found, 0.5)
         ends = np.empty(len(found))
-        if find_part(m, g, t, state, found, share, size, 0.5, ends) != SETTLED:
+        if find_part(m, g, leg.before, state, found, share, size, 0.5, ends) != SETTLED:
             return True
         far *= 0.5
     read_state(expected, m.read.state).where[:] = where
@@ -329,7 +333,8 @@ def _stable_step(
     found[:] = state
     for _ in range(_HALVED):
         part = 0.5 * (low + high)
-        if find_part(m, g, t, state, whole, share, size, part, middle) != SETTLED or growth(m.read, middle) > GROWS:
+        settled = find_part(m, g, t.leg[0].before, state, whole, share, size, part, middle) == SETTLED
+        if not settled or growth(m.read, middle) > GROWS:
             high = part
         else:
             low = part
@@ -353,11 +358,8 @@ def _leave_balance(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: 
     if share > leg.share:
         _add(m.read, g, t, state, share, 0.0)
         leg.share = share
-    if (
-        how != STUCK
-        and _snaps(m.read, g, t, state, end, share, more, how == REST, moves)
-        and _jumps(m.read, g, t, state)
-    ):
+    snapped = how != STUCK and _snaps(m.read, g, t, state, end, share, more, how == REST, moves)
+    if snapped and _jumps(m.read, g, t, state):
         leg.status = _JUMPS
         return _ENDS
     if how == REST:

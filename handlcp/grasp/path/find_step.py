@@ -136,10 +136,8 @@ def _push_ahead(m: PathSteps, state: Array, controls: Array, where: Array, start
     status = take_step(m, state, controls, where, start, asked, row)
     if status != SETTLED:
         return status
-    end, most = (
-        read_state(row, m.read.state),
-        m.read.sizes.slow / _FREE * NO_FORCE * m.read.sizes.stiffness * m.read.sizes.length,
-    )
+    end, sizes = read_state(row, m.read.state), m.read.sizes
+    most = sizes.slow / _FREE * NO_FORCE * sizes.stiffness * sizes.length
     for i in range(len(end.kinds)):
         if end.forces[i, 2] > most:
             return _NO_FORCES
@@ -219,13 +217,13 @@ def _expecting(m: PathReader, state: Array, slides: Array) -> Array:
 
 @steps_kernel
 def find_part(
-    m: PathSteps, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float, part: float,
+    m: PathSteps, g: StageArrays, before: float, state: Array, found: Array, share: float, size: float, part: float,
     row: Array,
 ) -> int:  # fmt: skip
-    """Write the state at a part of a step that is known to have a solution."""
+    """Write the state at a part of a step that is known to have a solution. before : as in `_second_order`."""
     controls = controls_between(g.begin, g.end, share + part * size)
     where, start = guess_between(m.read, state, found, part)
-    if _second_order(m, t.leg[0].before, state, controls, where, start, part * size, row):
+    if _second_order(m, before, state, controls, where, start, part * size, row):
         return SETTLED
     return _first_order(m, state, controls, where, start, row)
 

@@ -353,6 +353,12 @@ class Placed(NamedTuple):
 
 
 @kernel
+def placed_contacts(c: Contacts) -> Placed:
+    """Those that `linearise` wrote."""
+    return Placed(c.touch.positions, c.frames, c.axes, c.touch.places, c.slips)
+
+
+@kernel
 def slip_between(g: GeometryArrays, a: Placed, b: Placed, at: Place, to: Place, slip_memory: Array) -> Array:
     """(n, 3) how far the object has moved past the fingertips' surfaces from contacts a to b: along x and y [m], and
     turned about z [rad], less slip_memory (n, 3). at, to : their configurations.

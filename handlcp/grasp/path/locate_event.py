@@ -31,9 +31,9 @@ def excess(m: PathSteps, g: StageArrays, row: Array) -> float:
 
 
 @kernel
-def excess_slip(m: PathReader, t: Trace, row: Array) -> float:
-    """How much farther than it may a contact has slid at the end of a step to this state, as a share."""
-    worst, slips, before = 0.0, slip_lengths(m, row), t.slipped[t.leg[0].number - 1]
+def excess_slip(m: PathReader, t: Trace, slips: Array) -> float:
+    """How much farther than it may a contact has slid with a step in which they slide so far (n,) [m], as a share."""
+    worst, before = 0.0, t.slipped[t.leg[0].number - 1]
     for i in range(len(slips)):
         worst = max(worst, (before[i] + slips[i]) / m.max_slip[i])
     return worst - 1.0
@@ -48,14 +48,8 @@ def first_change(
     """
     if is_same(read_state(state, m.read.state).kinds, read_state(found, m.read.state).kinds):
         return 1.0
-    whole, middle, low, high, a, b = (
-        found.copy(),
-        np.empty(len(found)),
-        0.0,
-        1.0,
-        margins(m.read, state),
-        margins(m.read, found),
-    )
+    a, b = margins(m.read, state), margins(m.read, found)
+    whole, middle, low, high = found.copy(), np.empty(len(found)), 0.0, 1.0
     falls = np.zeros((2, len(a), 2))  # how fast margins fall on each side of it, once two parts on that side are known
     for _ in range(_LOOKS):
         if not _any_changes(a, b) or high - low < _CLOSE:
@@ -63,7 +57,7 @@ def first_change(
         part = _crossing(low, high, a, b, falls) + 0.2 * _CLOSE
         if high - part < _CLOSE:
             break
-        if find_part(m, g, t, state, whole, share, size, part, middle) != SETTLED:
+        if find_part(m, g, t.leg[0].before, state, whole, share, size, part, middle) != SETTLED:
             break
         now = margins(m.read, middle)
         if _any_changes(a, now):
@@ -114,13 +108,13 @@ def locate_limit(
     tried has a solution.
     """
     low, high, whole, best, middle = 0.0, 1.0, found.copy(), found.copy(), np.empty(len(found))
-    a = excess(m, g, state) if limits else excess_before(m.read, t)
-    a, b = min(a, -_ON), excess(m, g, found) if limits else excess_slip(m.read, t, found)
+    a = excess(m, g, state) if limits else excess_slip(m.read, t, np.zeros(len(m.read.max_slip)))
+    a, b = min(a, -_ON), excess(m, g, found) if limits else excess_slip(m.read, t, slip_lengths(m.read, found))
     for _ in range(_HALVED):
         part = low + (high - low) * min(max(-a / (b - a), 0.02), 0.98) if b > a else 0.5 * (low + high)
-        if find_part(m, g, t, state, whole, share, size, part, middle) != SETTLED:
+        if find_part(m, g, t.leg[0].before, state, whole, share, size, part, middle) != SETTLED:
             break
-        value = excess(m, g, middle) if limits else excess_slip(m.read, t, middle)
+        value = excess(m, g, middle) if limits else excess_slip(m.read, t, slip_lengths(m.read, middle))
         if value > 0.0:
             high, b = part, value
             found[:] = middle
@@ -135,12 +129,3 @@ def locate_limit(
         found[:] = best
         return low * size
     return high * size
-
-
-@kernel
-def excess_before(m: PathReader, t: Trace) -> float:
-    """That of slip before a step."""
-    worst, before = 0.0, t.slipped[t.leg[0].number - 1]
-    for i in range(len(before)):
-        worst = max(worst, before[i] / m.max_slip[i])
-    return worst - 1.0

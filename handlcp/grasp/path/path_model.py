@@ -17,12 +17,12 @@ import numpy as np
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, PathStatus
 from handlcp.grasp.path.linearise import (
-    Contacts,
     Placed,
     Poses,
     linearise,
     new_contacts,
     place_between,
+    placed_contacts,
     pose_difference,
     pose_displacement,
     read_place,
@@ -171,11 +171,11 @@ def move_unloaded(m: PathSteps, before: Array, controls: Array, row: Array) -> i
     contacts = new_contacts(s.geometry)
     contacts.frames[:] = old.frames
     linearise(s.geometry, end.where, contacts)
-    now = _placed(contacts)
+    now = placed_contacts(contacts)
     earlier = Placed(old.positions, old.frames, old.axes, old.places, old.slips)
     slipped = slip_between(s.geometry, earlier, now, stood, at, old.slip_memory)
-    end.base[:] = slipped + preload_offsets(s.preloads, controls[7], old.controls[7])
     offsets = preload_offsets(s.preloads, controls[7], old.controls[7])
+    end.base[:] = slipped + offsets
     for i in range(n):
         end.base[i, 2] = contacts.touch.gap[i] + offsets[i, 2]
         if end.base[i, 2] < -s.preloads.touches:
@@ -186,11 +186,6 @@ def move_unloaded(m: PathSteps, before: Array, controls: Array, row: Array) -> i
     end.spin[:] = slipped[:, 2]
     end.torque[:] = contacts.elastic.gravity
     return SETTLED
-
-
-@kernel
-def _placed(c: Contacts) -> Placed:
-    return Placed(c.touch.positions, c.frames, c.axes, c.touch.places, c.slips)
 
 
 # ----------------------------------------------------------------

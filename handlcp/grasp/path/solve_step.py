@@ -21,6 +21,7 @@ from handlcp.grasp.path.linearise import (
     move_pose,
     new_contacts,
     place_between,
+    placed_contacts,
     pose_difference,
     pose_displacement,
     read_place,
@@ -202,13 +203,8 @@ def solve_step(
     """Write the state under other controls, from the state `before`; whether it settles, as a `PathStatus`: REACHED, or
     why not. guess : a configuration near its end; start (2c + 9,) : as in `Reached`.
     """
-    g, poses, sizes, old, end = (
-        m.geometry,
-        m.geometry.poses,
-        m.sizes,
-        read_state(before, m.state),
-        read_state(row, m.state),
-    )
+    g, poses, sizes = m.geometry, m.geometry.poses, m.sizes
+    old, end = read_state(before, m.state), read_state(row, m.state)
     n, near = len(old.kinds), asked.rough * sizes.tolerance
     loaded, kinds = is_loaded(old.kinds), old.kinds.astype(np.int64)
     contacts, slow, pads = new_contacts(g), 1.0 / asked.h, 1.0 / asked.h if asked.slow_pads else 0.0
@@ -225,7 +221,7 @@ def solve_step(
     for count in range(1, MAX_ITERATES + 1):
         linearise(g, where, contacts)
         at = read_place(poses, where)
-        now = Placed(contacts.touch.positions, contacts.frames, contacts.axes, contacts.touch.places, contacts.slips)
+        now = placed_contacts(contacts)
         slipped = slip_between(g, placed, now, stood, at, old.slip_memory)
         if len(asked.past) > 0:
             slipped -= asked.past

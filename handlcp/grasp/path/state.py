@@ -327,16 +327,6 @@ class Run:
         """Where the object begins to leave its place, the first of both; None: nowhere."""
         return first_of(self.slides, self.jump)
 
-    def back_to(self, count: int) -> None:
-        """Without the states after so many, and what happens on the way to them."""
-        end, last = (self.stages[count - 1], self.shares[count - 1]), len(self.states) - count
-        if not last:
-            return
-        for entries in (self.states, self.stages, self.shares, self.slipped, self.errors):
-            del entries[-last:]
-        self.events = [e for e in self.events if (e.number, e.share) <= end]
-        self.snaps = [s for s in self.snaps if (s.stage, s.share) < end]
-
     def add(self, state: State, stage: int, share: float, slipped: Array, error: float) -> None:
         """One more step."""
         self.states.append(state)

@@ -69,6 +69,5 @@ class Watch:
 def watch_of(spec: GraspSpec, geometry: Geometry, max_slip: Array) -> Watch:
     """All contacts and joints of a grasp. max_slip (n,) : as in `Watch`."""
     near = _NEAR * float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
-    return Watch(
-        state_limits(spec, ranges=geometry.follows), near, max_slip
-    )  # elsewhere joints are measured from the posture
+    limits = state_limits(spec, ranges=geometry.follows)  # elsewhere joints are measured from the posture
+    return Watch(limits, near, max_slip)
