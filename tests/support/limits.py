@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from handlcp.grasp.limits.directions import limits_of
+from handlcp.grasp.limits.load_limit import limits_of
 from handlcp.grasp.limits.followed import anything_else, followed_limit
 from tests.support.grasp import section_of
 

@@ -1,7 +1,7 @@
 """Load limits in many directions: no public name asks for it yet."""
 
 from handlcp.contact.friction import as_section
-from handlcp.grasp.limits.directions import limits_of
+from handlcp.grasp.limits.load_limit import limits_of
 
 
 def many_limits(grasp, wrenches, geometry="followed"):

@@ -30,12 +30,13 @@ from handlcp.grasp.failure.failure_text import (
     explain_giving_up,
     explain_limit,
 )
+from handlcp.grasp.limits.further import largest_held
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.advance import Leg
 from handlcp.grasp.path.follow import Loading, solution_of
-from handlcp.grasp.path.state import LET_GO, Run, State
+from handlcp.grasp.path.state import LET_GO, Jump, Run, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import is_at_max_slip
 from handlcp.grasp.solution.solution import GraspSolution
@@ -64,6 +65,11 @@ class Followed(NamedTuple):
     geometry: str
     slid: tuple[float, tuple[FailureMode, ...]] | None
     max_slip: Array
+
+    @property
+    def jump(self) -> Jump | None:
+        """Where the object jumps; in one posture nobody asks where it goes once nothing balances more load."""
+        return None if self.geometry == "fixed" else self.run.jump
 
     @property
     def number(self) -> int:
@@ -134,6 +140,8 @@ def answer(f: Followed) -> LoadLimit:
     first = next((e.share for e in run.events if e.kind == "slips"), None)
     slides = None if run.slides is None else run.slides.share
     factor, number = np.inf if run.status == PathStatus.UNBOUNDED else end, f.number
+    if run.status.is_lost and end <= 2.0 * f.leg.shortest:
+        factor, number = 0.0, 0
     binds: tuple[FailureMode, ...] = ()
     if run.status == PathStatus.LIMIT:
         if find_exceeded(f.limits, *_read(f, run.states[0])):  # before there is any load
@@ -144,8 +152,8 @@ def answer(f: Followed) -> LoadLimit:
         ]
         binds = (factor > 0.0 and tuple([c for c in binds if c not in stood])) or binds
     elif run.status.is_lost:
-        before = run.states[-2].kinds if len(run.states) > 1 else None
-        binds = find_slipping(f.spec.names, run.states[-1].kinds, before)
+        short = int(np.searchsorted(run.shares, (1.0 - _AT) * end)) - 1  # the last state that is truly short of the end
+        binds = find_slipping(f.spec.names, run.states[-1].kinds, run.states[short].kinds if short >= 0 else None)
     if run.slides is not None:
         factor, number = run.slides.share, run.slides.number
         binds = slid_contacts(f.spec.names, run.slipped[number] / f.max_slip)
@@ -172,10 +180,10 @@ def answer(f: Followed) -> LoadLimit:
             return (
                 f"held up to {end:.4g} times the load, and undecided beyond: {explain_giving_up(run.status, run.who)}"
             )
-        return explain_limit(binds, factor, f.wrench, f.spec, _then(f.run) if run.slides is None else "")
+        return explain_limit(binds, factor, f.wrench, f.spec, _then(f) if run.slides is None else "")
 
     later = Later(
-        sentence, lambda: _path(f, number), lambda: _solution(f, number, factor), lambda _: _through(f).shares[-1],
+        sentence, lambda: _path(f, number), lambda: _solution(f, number, factor), lambda bound: _largest(f, factor, bound),
         lambda: _rest(f, ends, number),
     )  # fmt: skip
     return LoadLimit(factor, f.wrench, binds, f.geometry, later, first, slides)
@@ -195,11 +203,11 @@ def _about_to_slip(f: Followed, state: State) -> tuple[FailureMode, ...]:
     return tuple([FailureMode(SLIPS, name) for name, slips in zip(f.spec.names, near.tolist(), strict=True) if slips])
 
 
-def _then(run: Run) -> str:
+def _then(f: Followed) -> str:
     """What the object does at the end, other than that no more load is balanced; "" for nothing."""
-    if run.jump is None:
+    if f.jump is None:
         return ""
-    last = run.snaps[-1] if run.snaps else None
+    last = f.run.snaps[-1] if f.run.snaps else None
     if last is None or not last.pushed:
         return "snaps to another place, or leaves"
     by = f", as a small push{describe_direction(np.array(last.pushed))} makes it where it is in balance"
@@ -211,6 +219,15 @@ def _through(f: Followed) -> Run:
     if f.run.status == PathStatus.REACHED and f.run.slides is not None:
         f.leg.through()
     return f.run
+
+
+def _largest(f: Followed, factor: float, bound: float) -> float:
+    """The largest factor up to `bound` for which there is any equilibrium: in one posture a solve finds one that no
+    path leads to; where the geometry is followed, what a path has passed through.
+    """
+    if f.geometry == "fixed":
+        return largest_held(f.spec, f.section, f.spec.resting_wrench, f.wrench, factor, bound)
+    return _through(f).shares[-1]
 
 
 def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
@@ -233,9 +250,9 @@ def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
     elif run.status == PathStatus.LIMIT:
         marks["limit"] = f.mark(run.shares[-1])
     events = [LimitEvent(e.kind, e.who, e.share) for e in run.events if e.kind in _NAMED]
-    if run.jump is not None:
+    if f.jump is not None:
         pushed = run.snaps[-1].pushed if run.snaps else ()
-        events.append(LimitEvent("snaps", OBJECT, run.jump.share, pushed=pushed))
+        events.append(LimitEvent("snaps", OBJECT, f.jump.share, pushed=pushed))
     if run.slides is not None:
         slid = slid_contacts(f.spec.names, run.slipped[run.slides.number] / f.max_slip)
         events += [LimitEvent(SLIDES, one.who, run.slides.share) for one in slid]
@@ -276,7 +293,7 @@ def alone(stage: str) -> str:
 
 
 def nothing(
-    spec: GraspSpec, wrench: Array, run: Run, geometry: str, loading: Loading, closing: tuple[FailureMode, ...] = ()
+    spec: GraspSpec, section: Section, wrench: Array, run: Run, geometry: str, loading: Loading, closing: tuple[FailureMode, ...] = ()
 ) -> LoadLimit:
     """Where squeeze or weight alone are not held, or nothing is known of it. closing : joints and tendons whose motors
     cannot close so hard.
@@ -297,9 +314,12 @@ def nothing(
         )
         first = f"{told}; " if (told := describe_missing_squeeze(spec)) else ""
         text = f"{first}{alone(str(loading.lost_stage))} is not held: {reason}"
-    none = np.zeros((0, spec.n, 3))
+    none, fixed = np.zeros((0, spec.n, 3)), geometry == "fixed"
     nv = loading.steps.torques.shape[1]
     path = LimitPath(np.zeros(0), none, np.zeros((0, nv)), np.zeros((0, 6)))
     rest = Rest(0.0, {"lost": Reached(0.0, 0.0, 0.0)}, ())
-    later = Later(lambda: text, lambda: path, lambda: loading.solution, lambda _: 0.0, lambda: rest)
+    later = Later(
+        lambda: text, lambda: path, lambda: loading.solution,
+        lambda bound: largest_held(spec, section, spec.resting_wrench, wrench, 0.0, bound) if fixed else 0.0, lambda: rest,
+    )  # fmt: skip
     return LoadLimit(0.0, wrench, binds, geometry, later)

@@ -81,9 +81,8 @@ def _in_steps(
     spec: GraspSpec, section: Section, loads: Array, allowed: Allowed, accuracy: float, geometry: str
 ) -> Limits:
     before = Before(spec, section, allowed, geometry, accuracy)
-    with ThreadPoolExecutor(
-        min(check_workers(None), len(loads))
-    ) as threads:  # a path holds the interpreter's lock at its ends alone
+    workers = min(check_workers(None), len(loads))
+    with ThreadPoolExecutor(workers) as threads:  # a path holds the interpreter's lock at its ends alone
         found = list(threads.map(before.limit, loads))
     factors, off = np.array([(one.factor, one.accuracy) for one in found]).T.copy()
     return Limits(loads, read_only(factors), tuple([x.binds for x in found]), geometry, read_only(off))

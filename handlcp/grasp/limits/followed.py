@@ -103,7 +103,7 @@ class Before:
         spec, section, before, stepper = self._spec, self._section, self._run, self._stepper
         if before.status != PathStatus.REACHED or self._closing:
             loading = loading_of(before, self._goals[:-1], stepper, section, self._allowed.max_slip)
-            return nothing(spec, wrench, before, self._geometry, loading, self._closing)
+            return nothing(spec, section, wrench, before, self._geometry, loading, self._closing)
         start, follows = before.states[-1], self._body.follows
         size = _as_large(stepper, start, wrench)
         at = stepper.geometry.displacement(start.where.pose)

@@ -1,18 +1,19 @@
-"""`Grasp.load_limit`: which geometry, and what is asked."""
+"""`Grasp.load_limit` and limits in many directions: which geometry, and what is asked."""
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, check_number, read_only
+from handlcp.check import Array, check_array, check_number, check_workers, read_only
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp.derivatives.path_sensitivity import PathSensitivity
-from handlcp.grasp.limits.fixed import fixed_limit
-from handlcp.grasp.limits.followed import Allowed, followed_limit
+from handlcp.grasp.failure.failure_mode import Bind
+from handlcp.grasp.limits.followed import Allowed, Before
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.request import GraspSpec, check_load
 from handlcp.grasp.path.advance import ACCURACY, read_accuracy
@@ -101,9 +102,7 @@ class _Question:
     def varied(self, spec: GraspSpec, wrench: Array) -> LoadLimit:
         """The same of another grasp, or of another load."""
         spec = without_wrench(spec) if self.own else spec
-        if self.follows:
-            return followed_limit(spec, self.section, wrench, self.allowed, "followed", self.accuracy)
-        return fixed_limit(spec, self.section, wrench, self.allowed, self.accuracy)
+        return Before(spec, self.section, self.allowed, _named(self.follows), self.accuracy).limit(wrench)
 
     def bound(self) -> float:
         """See `LoadLimit.bound`."""
@@ -118,3 +117,53 @@ class _Question:
         load = read_only(self.wrench + varied.load_beside_weight - self.spec.load_beside_weight)
         own = varied.replace(wrench=self.spec.wrench, asked=varied.asked)
         return {"factor": np.array(self.varied(own, load).factor)}
+
+
+def _named(follows: bool) -> str:
+    return "followed" if follows else "fixed"
+
+
+# ----------------------------------------------------------------
+# Many directions: squeeze and weight are shared, and each direction is one path.
+
+
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """Limits of one grasp in m directions. wrenches (m, 6) : the loads, beside what rests on the object as
+    `GraspSpec.resting_wrench` has it [N, N·m]. factors (m,) : of
+    each, inf where nothing binds. binds (m,) : what gives out, as in `LoadLimit`. geometry : "fixed" or "followed".
+    accuracy (m,) : estimated relative errors of the factors; NaN: not asked.
+    """
+
+    wrenches: Array
+    factors: Array
+    binds: tuple[tuple[Bind, ...], ...]
+    geometry: str
+    accuracy: Array
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """(m,) the first thing that binds: a kind of `Bind`, "" where nothing does."""
+        return tuple([b[0].kind if b else "" for b in self.binds])
+
+    @property
+    def who(self) -> tuple[tuple[str, ...], ...]:
+        """(m,) names of what binds."""
+        return tuple([tuple([b.who for b in every]) for every in self.binds])
+
+
+def limits_of(
+    spec: GraspSpec, section: Section, wrenches: Any, geometry: Any = None, motion: Any = None, turn: Any = None,
+    accuracy: Any = None, max_slip: Any = MAX_SLIP,
+) -> Limits:  # fmt: skip
+    """Of loads (m, 6), other arguments as in `Grasp.load_limit`. Raises InputError, UnknownName, Unsupported."""
+    how = _named(is_followed(spec, geometry))
+    loads = check_array("wrenches", wrenches, (-1, 6))
+    if not len(loads) or not loads.any(axis=1).all():
+        raise InputError("wrenches", "at least one load, none of them zero", f"{len(loads)} of them")
+    before = Before(spec, section, read_allowed(spec, motion, turn, max_slip), how, read_accuracy(accuracy))
+    workers = min(check_workers(None), len(loads))
+    with ThreadPoolExecutor(workers) as threads:  # a path holds the interpreter's lock at its ends alone
+        found = list(threads.map(before.limit, loads))
+    factors, off = np.array([(one.factor, one.accuracy) for one in found]).T.copy()
+    return Limits(loads, read_only(factors), tuple([x.binds for x in found]), how, read_only(off))

@@ -26,6 +26,7 @@ from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 ACCURACY = 1e-3  # of the largest force: the error of a step, unless something else is asked
 _BREATH = 256  # tries of compiled code between two looks at it
+_NEAR, _NEAR_STILL = (2.0**-18, 1e-3), (2.0**-31, 1e-10)  # as in `StageArrays`; where the posture stays, forces are exact
 _STAGE_UNIT = 2.0**-3  # of a stage that has an end: in this unit the shortest steps are counted
 _NO_LIMITS = LimitArrays(np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0), np.full(2, np.inf))
 
@@ -113,14 +114,20 @@ class Leg:
         base = base if beyond is None else beyond.first
         tries = patience.tries * max(1.0, (ACCURACY / accuracy) ** 0.5)
         breath = 1 if stepper.compiled is None else _BREATH
+        near = _NEAR if stepper.geometry.follows else _NEAR_STILL
         self.stage = StageArrays(
             begin, end, base, _STAGE_UNIT if beyond is None else beyond.first, 1.0 if beyond is None else beyond.most,
-            beyond is not None, limits, stands, at, loads, accuracy, tries, patience.snaps, breath, origin,
+            beyond is not None, limits, stands, at, loads, accuracy, tries, patience.snaps, *near, breath, origin,
         )  # fmt: skip
         slides, jump = [-1 if one is None else -2 for one in (run.slides, run.jump)]
         self.trace = new_trace(state, len(begin), run.slipped[-1], base, slides, jump)
         self._known, self._events, self._snaps = 1, 0, 0  # of the trace, what the run has
         run.under_way = number
+
+    @property
+    def shortest(self) -> float:
+        """The shortest step, as a share: what is no farther is nowhere."""
+        return self.stage.unit * self.stage.exact
 
     def _shares(self, limits: LimitArrays, at: Array, state: State) -> Array:
         with np.errstate(all="ignore"):

@@ -30,9 +30,10 @@ from handlcp.grasp.path.flow import (
     growth,
     is_measured,
 )
-from handlcp.grasp.path.locate_event import excess, excess_slip, first_change, locate_limit
+from handlcp.grasp.path.locate_event import BEGINS, STANDS, excess, excess_slip, first_change, first_crossing, locate_limit
 from handlcp.grasp.path.path_model import (
     PENDING,
+    SLIPS,
     PathModel,
     PathReader,
     PathSteps,
@@ -42,6 +43,8 @@ from handlcp.grasp.path.path_model import (
     distance,
     estimate_error,
     guess_between,
+    largest_force,
+    margins,
     model_kernel,
     motion,
     slip_lengths,
@@ -53,9 +56,6 @@ from handlcp.grasp.path.trace import StageArrays, Trace
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import MIN_SNAP_DISTANCE, SNAP_RATIO
 
-_EXACT = (
-    2.0**-18
-)  # of a stage's unit: how closely a jump or the last static state is located once there is known to be one
 _ANEW = 2.0**-3  # times the usual step: the first after a change, which is of first order
 _GROWS_FREE, _GROWS_SLIDING = 0.5, 0.15  # of the load: steps of an open stage where nothing slides, and where it does
 _HALVED = 14  # times a step, where a push begins to grow
@@ -73,6 +73,7 @@ OVER, PAUSED, FULL, ASKS, BREATHES = 0, 1, 2, 3, 4
 _GOES, _ENDS = 0, 1  # of a try
 _REACHED, _LIMIT, _UNBOUNDED = int(PathStatus.REACHED), int(PathStatus.LIMIT), int(PathStatus.UNBOUNDED)
 _UNSTABLE, _PUSHED_OUT, _LOOSE = int(PathStatus.UNSTABLE), int(PathStatus.PUSHED_OUT), int(PathStatus.LOOSE)
+_NO_FORCES = int(PathStatus.NO_FORCES)
 _LEAPS, _JUMPS = int(PathStatus.LEAPS), int(PathStatus.JUMPS)
 _STUCK, _SNAPS = int(PathStatus.STUCK), int(PathStatus.SNAPS)
 _TOO_MANY_STEPS = int(PathStatus.TOO_MANY_STEPS)
@@ -131,6 +132,8 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     share, state, size = leg.share, t.rows[leg.number - 1], min(leg.step, g.last - leg.share)
     if share + size > g.last * (1.0 - 1e-9):
         size = g.last - share
+    if not m.read.poses.follows and leg.ends - share <= 2.0 * g.exact * g.unit:  # shorter steps obey laws by rounding
+        return _continue_failed(m, g, t, state, _NO_FORCES, g.exact * g.unit)
     found = np.empty(len(state))
     status = find_step(m, g, t, state, share, size, found)
     if status == PENDING:
@@ -140,7 +143,11 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     if status != SETTLED:
         return _continue_failed(m, g, t, state, status, size)
     if carries(m.read, state):
-        size *= first_change(m, g, t, state, found, share, size)
+        part = first_change(m, g, t, state, found, share, size)
+        if part < 0.0:
+            leg.step, leg.failed = -part * size, 1
+            return _GOES
+        size *= part
     earlier, ratio = state, 0.0
     if leg.before > 0.0:
         earlier, ratio = t.rows[leg.number - 2], size / leg.before
@@ -174,7 +181,7 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
         return _ENDS
     leg.before = 0.0 if happens else size
     most = np.inf if happens else size * (1.0 if leg.failed != 0 else _suggested(g, error))
-    leg.step = _next_step(m.read, g, t, found, most, size)
+    leg.step = _next_step(m.read, g, t, found, most)
     leg.failed = 0
     return _GOES
 
@@ -186,13 +193,13 @@ def _suggested(g: StageArrays, error: float) -> float:
 
 
 @kernel
-def _next_step(m: PathReader, g: StageArrays, t: Trace, found: Array, most: float, size: float) -> float:
-    """The step after one of this size. Of an open stage it grows with the load, the faster where nothing slides."""
+def _next_step(m: PathReader, g: StageArrays, t: Trace, found: Array, most: float) -> float:
+    """The step after this one. Of an open stage it grows with the load, the faster where nothing slides."""
     leg = t.leg[0]
     if leg.share >= leg.ends:
         leg.ends = np.inf
     if leg.ends < np.inf:
-        return max(0.5 * size, _EXACT * g.unit)
+        return max(0.5 * (leg.ends - leg.share), g.exact * g.unit)
     slides = any_slides(m, found)
     step = g.base
     if g.is_open:
@@ -208,8 +215,10 @@ def _add(m: PathReader, g: StageArrays, t: Trace, found: Array, share: float, er
     leg, out = t.leg[0], np.empty((64, 2))
     k = leg.number
     count = min(write_events(m, t.rows[k - 1], found, out), len(out))
-    for e in range(count):
-        t.events[leg.events + e, 0] = k
+    left, stands = margins(m, t.rows[k - 1]), STANDS * largest_force(m, t.rows[k - 1])
+    for e in range(count):  # what stood at its limit slides from there
+        slides = out[e, 0] == SLIPS and 0.0 <= left[int(out[e, 1]), 0] <= stands
+        t.events[leg.events + e, 0] = k - 1 if slides else k
         t.events[leg.events + e, 1:] = out[e]
     leg.events += count
     t.rows[k], t.shares[k], t.errors[k], t.slipped[k] = found, share, error, t.slipped[k - 1]
@@ -238,6 +247,8 @@ def _leaps(
     the last two led. Without a last step: whether its half ends far from its middle.
     """
     leg, far = t.leg[0], distance(m.read, state, found)
+    if not (m.read.poses.follows or carries(m.read, state)):
+        return False  # nothing holds it yet: fingers that close push it along
     if leg.speed > 0.0 and far > no_snap(t, size):
         return True
     if far <= MIN_SNAP_DISTANCE:
@@ -275,8 +286,9 @@ def _continue_failed(m: PathSteps, g: StageArrays, t: Trace, state: Array, why: 
     leg = t.leg[0]
     share, known = leg.share, leg.ends < np.inf
     leg.failed = 1
-    if size > (_EXACT if known else FINEST) * g.unit:
-        leg.step = size / 2.0
+    if size > (g.exact if known else FINEST) * g.unit:
+        leg.ends = share + size if known else np.inf
+        leg.step = _shorter(m, g, t, state, size)
         return _GOES
     if known and leg.then != STUCK and _jumps(m.read, g, t, state):
         leg.status = _JUMPS
@@ -304,6 +316,19 @@ def _continue_failed(m: PathSteps, g: StageArrays, t: Trace, state: Array, why: 
     _add(m.read, g, t, end, until, 0.0)
     leg.step, leg.before = min(_AFTER * FINEST * g.unit, g.base), 0.0
     return _GOES
+
+
+@steps_kernel
+def _shorter(m: PathSteps, g: StageArrays, t: Trace, state: Array, size: float) -> float:
+    """The step to try where this one has no solution: half of it; where contacts stay where they are, up to where the
+    first of them changes its state if it goes on as it begins, which is exact if none slides on a round law.
+    """
+    if m.read.poses.follows:
+        return 0.5 * size
+    begins = np.empty(len(state))
+    if find_part(m, g, 0.0, state, state, t.leg[0].share, size, BEGINS, begins) != SETTLED:
+        return BEGINS * size
+    return size * min(first_crossing(m.read, state, begins), 0.5)
 
 
 @kernel

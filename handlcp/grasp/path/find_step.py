@@ -66,9 +66,10 @@ def find_step(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float
             status = _push_ahead(m, state, controls, where, start, row)
     if status != SETTLED and loaded and size <= _ALONE * g.unit and _branch(m, state, controls, row):
         status = SETTLED
-    # All solvers are asked for a step that Newton's method does not solve: where contacts stay where they are it is one
-    # solve however long the step is, elsewhere only once no shorter step has a solution
-    if status != SETTLED and leg.ends == np.inf and (size <= FINEST * g.unit or not m.read.poses.follows):
+    # All solvers are asked for a step that Newton's method does not solve once no shorter step has a solution; where
+    # contacts stay where they are it is one solve however long the step is, and the first step is asked for, too
+    asks = size <= FINEST * g.unit or (leg.failed == 0 and not m.read.poses.follows)
+    if status != SETTLED and leg.ends == np.inf and asks:
         sought = seek_state(t, state, controls, row)
         if sought in (SETTLED, PENDING):
             status = sought
@@ -132,6 +133,9 @@ def _push_ahead(m: PathSteps, state: Array, controls: Array, where: Array, start
     """A step in which fingers may push ahead of them an object that nothing holds, against a damper that is large
     enough to compute with. The forces of that are none.
     """
+    pulled = controls[:6].any() or controls[6] != 0.0
+    if pulled and not m.read.poses.follows:
+        return _NO_FORCES
     asked = StepOptions(_FREE, 1.0, _NO_PAST, False)
     status = take_step(m, state, controls, where, start, asked, row)
     if status != SETTLED:

@@ -45,6 +45,7 @@ from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 F = TypeVar("F", bound=Callable[..., Any])
 
 OPEN, STICKS, SLIDES = float(SEPARATED), float(STICKING), float(SLIDING)
+_AT_LIMIT = 1e-10  # of a contact's friction: with no more left it is at its limit
 PENDING = -2  # what a search for a state returns that Python is to make: the call is made again with its answer
 _NO_FORCES = int(PathStatus.NO_FORCES)
 
@@ -256,7 +257,7 @@ def margins(m: PathReader, row: Array) -> Array:
     opened in the step, as the force that would take it back.
     """
     s, k, f = read_state(row, m.state), m.sizes.stiffness, m.friction
-    out = np.empty((len(s.kinds), 2))
+    out, shares = np.empty((len(s.kinds), 2)), friction_shares(m, row)
     for i in range(len(out)):
         if s.kinds[i] == OPEN:
             out[i, 0], out[i, 1] = np.inf, -k * max(s.motion[i, 2], 0.0)
@@ -266,8 +267,34 @@ def margins(m: PathReader, row: Array) -> Array:
             slip = s.motion[i, 0] ** 2 + s.motion[i, 1] ** 2 + (s.spin[i] * m.sizes.length) ** 2
             out[i, 0] = -k * math.sqrt(slip)
         else:
-            pull = s.forces[i, 0] ** 2 + s.forces[i, 1] ** 2 + (s.torsion[i] * f.lever[i]) ** 2
-            out[i, 0] = max(f.coefficients[i] * s.forces[i, 2] - math.sqrt(pull), 0.0)
+            _, used = _friction_used(f, i, shares[i])
+            out[i, 0] = f.coefficients[i] * s.forces[i, 2] * (1.0 - used) if used < 1.0 - _AT_LIMIT else 0.0
+    return out
+
+
+@kernel
+def corner_margins(m: PathReader, state: Array, row: Array) -> Array:
+    """(n,) how far friction that is on flat faces of its law in `state` is in another one from reaching a further
+    face, in newtons; below 0 it is on that one; inf of other contacts.
+    """
+    s, end, f = read_state(state, m.state), read_state(row, m.state), m.friction
+    out = np.full(len(s.kinds), np.inf)
+    if f.faces == 0:
+        return out
+    before, now = friction_shares(m, state), friction_shares(m, row)
+    for i in range(len(out)):
+        normals, on, off = _flat_faces(f, i), -np.inf, -np.inf
+        _, used = _friction_used(f, i, before[i])
+        if s.kinds[i] == OPEN or used < 1.0 - _AT_LIMIT:
+            continue
+        for j in range(len(normals)):
+            along, then = _along(normals, j, before[i]), _along(normals, j, now[i])
+            if along >= used - _AT_LIMIT:
+                on = max(on, then)
+            else:
+                off = max(off, then)
+        far = on - off if abs(on - off) > _AT_LIMIT else 0.0
+        out[i] = f.coefficients[i] * end.forces[i, 2] * far
     return out
 
 
@@ -297,26 +324,40 @@ def on_same_face(m: PathReader, a: Array, b: Array) -> Bools:
     f = m.friction
     out = np.zeros(len(a), np.bool_)
     for i in range(len(a)):
-        if f.faces == 2:
-            out[i] = True
-        elif f.faces > 0 and f.lever[i] > 0.0 and len(f.soft_flat) > 0:
-            out[i] = _farthest_along(f.soft_flat, a[i]) == _farthest_along(f.soft_flat, b[i])
-        elif f.faces > 0:
-            out[i] = _farthest_along(f.flat, a[i]) == _farthest_along(f.flat, b[i])
+        if f.faces > 0:
+            (at, _), (then, _) = _friction_used(f, i, a[i]), _friction_used(f, i, b[i])
+            out[i] = at == then or f.faces == 2
     return out
 
 
 @kernel
-def _farthest_along(normals: Array, x: Array) -> int:
-    """Which of the normals (f, k) x is farthest along."""
-    best, most = -1, -np.inf
+def _friction_used(f: FrictionArrays, i: int, x: Array) -> tuple[int, float]:
+    """(the flat face that friction is nearest to, -1 of a round set; how much of its limit it is) of a contact whose
+    friction is x (3,), as `friction_shares` has it.
+    """
+    if f.faces == 0:
+        return -1, math.sqrt(x[0] ** 2 + x[1] ** 2 + x[2] ** 2)
+    normals, best, most = _flat_faces(f, i), -1, -np.inf
     for j in range(len(normals)):
-        along = 0.0
-        for a in range(normals.shape[1]):
-            along += normals[j, a] * x[a]
+        along = _along(normals, j, x)
         if along > most:
             best, most = j, along
-    return best
+    return best, most
+
+
+@kernel
+def _flat_faces(f: FrictionArrays, i: int) -> Array:
+    """(f, 2 or 3) normals of the flat faces of a contact's law."""
+    return f.soft_flat if f.lever[i] > 0.0 and len(f.soft_flat) > 0 else f.flat
+
+
+@kernel
+def _along(normals: Array, j: int, x: Array) -> float:
+    """How far x is along a normal."""
+    far = 0.0
+    for a in range(normals.shape[1]):
+        far += normals[j, a] * x[a]
+    return far
 
 
 @kernel

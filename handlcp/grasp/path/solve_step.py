@@ -41,6 +41,7 @@ KEPT = 1e6  # 1 / h of the object alone, where something keeps it in place: it g
 NO_FORCE = 3e-9  # of a force that moves a finger by the contacts' distance: a smaller one may come from the damper
 SEED = int(Auto().seed)
 _HELD_BACK = 1e-6  # of the forces: where the damper takes more, it holds the object, and the contacts do not
+_CREEPS = 1e-3  # of the load that comes in a step: where the damper takes more, the object moves on without more load
 _CONTRACTS, _PARTS = 0.6, 1.5  # times the last miss: more ends the iterates from the fourth on, and any iterate
 _LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
 CLOSE = 1e-3  # of the forces: an answer this near to what was expected is the one that continues it
@@ -213,6 +214,7 @@ def solve_step(
     placed = Placed(old.positions, old.frames, old.axes, old.places, old.slips)
     preload, commanded = preload_offsets(m.preloads, controls[7], old.controls[7]), m.posture + controls[9:]
     load, weight = controls[:6].copy(), controls[6] * m.weight
+    more = load_change(sizes, m.weight, old.controls, controls) if asked.h >= sizes.slow else 0.0
     where, answer = guess.copy(), np.empty(m.answer[-1])
     swing, last = np.zeros(8), np.inf
     found = read_answer(answer, m.answer)
@@ -247,7 +249,9 @@ def solve_step(
         start = found.start.copy()  # the next answer is written over it
         moved = pose_difference(poses, was.pose, to.pose)
         free = not (load.any() or weight.any())
-        judged = judge_iterate(sizes, m.damper, poses.follows, answer[1], near, last, count, moved, found.forces, free)
+        judged = judge_iterate(
+            sizes, m.damper, poses.follows, answer[1], near, last, count, moved, found.forces, free, more
+        )  # fmt: skip
         if judged == SETTLED:
             end.at[:] = where
             end.positions[:], end.frames[:] = contacts.touch.positions, contacts.frames
@@ -310,11 +314,13 @@ def judge_iterate(
     moved: Array,
     forces: Array,
     free: bool,
+    more: float,
 ) -> int:
     """Whether an iterate ends its step: SETTLED, GOES_ON, or why the step has no end.
 
     miss, last : how far its end is from it, as a share of the contacts' radii, and the one before. near : what is
-    allowed of that. moved (6,) : of the object in the step; forces (n, 3). free : whether nothing loads the object.
+    allowed of that. moved (6,) : of the object in the step; forces (n, 3). free : whether nothing loads the object. more : load
+    that comes in a quasi-static step [N].
     """
     far = pose_distance(sizes.length, moved)
     if miss <= near or not follows:
@@ -322,6 +328,8 @@ def judge_iterate(
             return _TOO_FAR
         held = not follows and not (free and is_pushed_ahead(sizes, forces))
         if held and damper_share(sizes, damper, moved, forces) > _HELD_BACK:
+            return _NO_FORCES
+        if held and damper_force(sizes, damper, moved) > _CREEPS * more > 0.0:
             return _NO_FORCES
         return SETTLED
     if (count > 3 and miss > _CONTRACTS * last) or miss > _PARTS * last:
@@ -341,14 +349,30 @@ def damper_share(sizes: Sizes, damper: Array, moved: Array, forces: Array) -> fl
     """What the object's damper (6,) takes in a quasi-static step that moves it by (6,), as a share of the normal forces
     at its end; forces (n, 3).
     """
-    pull, turn, normal = 0.0, 0.0, 0.0
+    normal = 0.0
+    for i in range(len(forces)):
+        normal += forces[i, 2]
+    return damper_force(sizes, damper, moved) / max(normal, 1e-9 * sizes.stiffness * sizes.length)
+
+
+@kernel
+def damper_force(sizes: Sizes, damper: Array, moved: Array) -> float:
+    """What the object's damper (6,) takes in a quasi-static step that moves it by (6,) [N]."""
+    pull, turn = 0.0, 0.0
     for a in range(3):
         pull += (damper[a] * moved[a]) ** 2
         turn += (damper[3 + a] * moved[3 + a]) ** 2
-    for i in range(len(forces)):
-        normal += forces[i, 2]
-    size = math.sqrt(pull + turn / sizes.length**2)
-    return size / sizes.slow / max(normal, 1e-9 * sizes.stiffness * sizes.length)
+    return math.sqrt(pull + turn / sizes.length**2) / sizes.slow
+
+
+@kernel
+def load_change(sizes: Sizes, weight: Array, before: Array, controls: Array) -> float:
+    """How much load comes with other controls, a torque as a force at the contacts' distances [N]."""
+    pull, turn, times = 0.0, 0.0, controls[6] - before[6]
+    for a in range(3):
+        pull += (controls[a] - before[a] + times * weight[a]) ** 2
+        turn += (controls[3 + a] - before[3 + a]) ** 2
+    return math.sqrt(pull + turn / sizes.length**2)
 
 
 @kernel

@@ -38,6 +38,7 @@ from handlcp.grasp.path.solve_step import (
     answer_iterate,
     is_pushed_ahead,
     judge_iterate,
+    load_change,
     relax_share,
     solve_once,
     solve_step,
@@ -49,8 +50,8 @@ from handlcp.lazy_property import lazy_property
 from handlcp.lcp import Auto
 
 # h of a quasi-static step: its damper takes 1e-8 of the forces that such a motion would need, so that a state passes
-# the certifier, and closed forms are met to nine digits
-_SLOW = 1e8
+# the certifier; less where the posture stays, so that closed forms are met to nine digits
+_SLOW, _SLOW_STILL = 1e8, 1e9
 _ALL = Auto(search_seconds=0.0)
 _CLOSE_BY = 1e-3  # [rad, m] from where a path ends to where a tendon crosses: it ends for that reason
 _NOWHERE = np.zeros(0)
@@ -160,7 +161,7 @@ class Stepper:
 
     def __init__(self, spec: GraspSpec, geometry: Geometry, section: Section, weight: Array, tolerance: float) -> None:
         self.geometry, self.tolerance, self.section = geometry, max(tolerance, geometry.noise), section
-        self.slow = _SLOW
+        self.slow = _SLOW if geometry.follows else _SLOW_STILL
         self.first = geometry.iterate(geometry.start, None)
         self.grasp = StepGrasp(spec, geometry, self.first, weight)
         self.laws = StepLaws(self.grasp, section, self.first)
@@ -276,7 +277,9 @@ class Stepper:
         pads = 1.0 / h if asked.slow_pads else 0.0
         if controls.kept:
             damper = KEPT * self.damper
-        free = not (under.load.any() or under.weight.any())
+        free, more = not (under.load.any() or under.weight.any()), 0.0
+        if h >= self.slow:
+            more = load_change(self.sizes, self.grasp.weight, controls_row(state.controls), controls_row(controls))
         for count in range(1, MAX_ITERATES + 1):
             slipped = geometry.slipped(state.iterate, iterate, state.slip_memory)
             if len(past):
@@ -297,7 +300,7 @@ class Stepper:
             start, gives, miss, begun = reached.start, reached.gives, reached.miss, reached.pull
             moved = self.geometry.between(state.where.pose, end.pose)
             judged = judge_iterate(
-                self.sizes, self.damper, follows, miss, near, last, count, moved, reached.forces, free
+                self.sizes, self.damper, follows, miss, near, last, count, moved, reached.forces, free, more
             )
             if judged == SETTLED:
                 return self._state_at(state, controls, asked, task, under, (reached, iterate, loads, end, count))

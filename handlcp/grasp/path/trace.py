@@ -65,7 +65,8 @@ class StageArrays(NamedTuple):
     shortest are counted; last : the share at which it ends or is given up. is_open : whether it goes on until something
     ends it: `limits`, where what stands_at its limit at the start counts only beyond it, and the object's motion from
     at (6,) on. loads : whether a load changes. accuracy : of a step. tries : after which it is given up.
-    goes_on_snapped : whether it goes on after a snap. breath : after so many tries Python looks at it. origin : the
+    goes_on_snapped : whether it goes on after a snap. exact : of a unit, how closely a jump or the last static state is
+    located once there is known to be one; close : of a step, how closely a contact's change is. breath : after so many tries Python looks at it. origin : the
     state from which an object that nothing holds is pushed out; empty: the first state of the stage.
     """
 
@@ -82,6 +83,8 @@ class StageArrays(NamedTuple):
     accuracy: float
     tries: float
     goes_on_snapped: bool
+    exact: float
+    close: float
     breath: int
     origin: Array
 

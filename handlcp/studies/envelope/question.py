@@ -13,7 +13,7 @@ from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.failure.failure_mode import OBJECT, UNDECIDED, FailureMode
-from handlcp.grasp.limits.directions import limits_of
+from handlcp.grasp.limits.load_limit import limits_of
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.validate import height_above
 from handlcp.grasp.path.watch import read_max_slip
