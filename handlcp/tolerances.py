@@ -80,9 +80,6 @@ MAX_SOFT_FINGER_FRICTION = 1e4
 # Length of a normal may differ from one by this (absolute: a normal has no unit).
 UNIT_NORMAL_TOLERANCE = 1e-6
 
-# Relative: how closely a limit in one posture is found, from event to event
-EVENT_TOLERANCE = 1e-6
-
 # An object snaps where it goes so many times farther than it was about to, and by more than the last number (of the
 # contacts' distances, turns in radians).
 SNAP_RATIO = 5.0

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from handlcp.grasp.limits.load_limit import limits_of
 from handlcp.grasp.limits.followed import anything_else, followed_limit
+from handlcp.grasp.limits.load_limit import limits_of
 from tests.support.grasp import section_of
 
 

@@ -35,6 +35,7 @@ from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit,
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.advance import Leg
+from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.follow import Loading, solution_of
 from handlcp.grasp.path.state import LET_GO, Jump, Run, State
 from handlcp.grasp.path.step import Stepper
@@ -43,6 +44,7 @@ from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 _AT = 1e-6  # relative: limits that are this near to being reached bind, too
+_INSTANT = 1e-7  # of the load at which the object is lost: what happens so shortly before happens there
 _NEAR = 1e-3  # of the load: contacts that begin to slide this near to where the object is lost are the cause
 _UNKNOWN: tuple[FailureMode, ...] = (FailureMode(UNDECIDED, OBJECT),)  # what gives out beyond what is known of a path
 _NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds")
@@ -70,6 +72,12 @@ class Followed(NamedTuple):
     def jump(self) -> Jump | None:
         """Where the object jumps; in one posture nobody asks where it goes once nothing balances more load."""
         return None if self.geometry == "fixed" else self.run.jump
+
+    @property
+    def events(self) -> list[Event]:
+        """What happens on the way; in one posture no contact's last instant, which only rounding puts in order."""
+        rounding = self.geometry == "fixed" and self.run.status.is_lost
+        return [e for e in self.run.events if not rounding or e.share <= (1.0 - _INSTANT) * self.run.shares[-1]]
 
     @property
     def number(self) -> int:
@@ -137,10 +145,10 @@ def _known(f: Followed) -> _Ends | None:
 def answer(f: Followed) -> LoadLimit:
     """The load limit."""
     run, end = f.run, f.run.shares[-1]
-    first = next((e.share for e in run.events if e.kind == "slips"), None)
+    first = next((e.share for e in f.events if e.kind == "slips"), None)
     slides = None if run.slides is None else run.slides.share
     factor, number = np.inf if run.status == PathStatus.UNBOUNDED else end, f.number
-    if run.status.is_lost and end <= 2.0 * f.leg.shortest:
+    if run.status.is_lost and end <= f.leg.shortest:
         factor, number = 0.0, 0
     binds: tuple[FailureMode, ...] = ()
     if run.status == PathStatus.LIMIT:
@@ -183,8 +191,8 @@ def answer(f: Followed) -> LoadLimit:
         return explain_limit(binds, factor, f.wrench, f.spec, _then(f) if run.slides is None else "")
 
     later = Later(
-        sentence, lambda: _path(f, number), lambda: _solution(f, number, factor), lambda bound: _largest(f, factor, bound),
-        lambda: _rest(f, ends, number),
+        sentence, lambda: _path(f, number), lambda: _solution(f, number, factor),
+        lambda bound: _largest(f, factor, bound), lambda: _rest(f, ends, number),
     )  # fmt: skip
     return LoadLimit(factor, f.wrench, binds, f.geometry, later, first, slides)
 
@@ -241,7 +249,7 @@ def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
     ends = ends or _known(f)
     known = np.inf if ends is None else ends.factor
     lost = run.shares[-1] if run.status.is_lost and ends is None else None
-    first = next((e.share for e in run.events if e.kind == "slips"), None)
+    first = next((e.share for e in f.events if e.kind == "slips"), None)
     slides = 0.0 if f.slid is not None else None if run.slides is None else run.slides.share
     named = ("first_slip", first), ("slides", slides), ("lost", lost)
     marks = {name: f.mark(x) for name, x in named if x is not None and x <= known}
@@ -249,7 +257,7 @@ def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
         marks["undecided"] = f.mark(min(known, run.shares[-1]))
     elif run.status == PathStatus.LIMIT:
         marks["limit"] = f.mark(run.shares[-1])
-    events = [LimitEvent(e.kind, e.who, e.share) for e in run.events if e.kind in _NAMED]
+    events = [LimitEvent(e.kind, e.who, e.share) for e in f.events if e.kind in _NAMED]
     if f.jump is not None:
         pushed = run.snaps[-1].pushed if run.snaps else ()
         events.append(LimitEvent("snaps", OBJECT, f.jump.share, pushed=pushed))
@@ -293,7 +301,13 @@ def alone(stage: str) -> str:
 
 
 def nothing(
-    spec: GraspSpec, section: Section, wrench: Array, run: Run, geometry: str, loading: Loading, closing: tuple[FailureMode, ...] = ()
+    spec: GraspSpec,
+    section: Section,
+    wrench: Array,
+    run: Run,
+    geometry: str,
+    loading: Loading,
+    closing: tuple[FailureMode, ...] = (),
 ) -> LoadLimit:
     """Where squeeze or weight alone are not held, or nothing is known of it. closing : joints and tendons whose motors
     cannot close so hard.
@@ -318,8 +332,9 @@ def nothing(
     nv = loading.steps.torques.shape[1]
     path = LimitPath(np.zeros(0), none, np.zeros((0, nv)), np.zeros((0, 6)))
     rest = Rest(0.0, {"lost": Reached(0.0, 0.0, 0.0)}, ())
-    later = Later(
-        lambda: text, lambda: path, lambda: loading.solution,
-        lambda bound: largest_held(spec, section, spec.resting_wrench, wrench, 0.0, bound) if fixed else 0.0, lambda: rest,
-    )  # fmt: skip
+
+    def beyond(bound: float) -> float:
+        return largest_held(spec, section, spec.resting_wrench, wrench, 0.0, bound) if fixed else 0.0
+
+    later = Later(lambda: text, lambda: path, lambda: loading.solution, beyond, lambda: rest)
     return LoadLimit(0.0, wrench, binds, geometry, later)

@@ -26,7 +26,8 @@ from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 ACCURACY = 1e-3  # of the largest force: the error of a step, unless something else is asked
 _BREATH = 256  # tries of compiled code between two looks at it
-_NEAR, _NEAR_STILL = (2.0**-18, 1e-3), (2.0**-31, 1e-10)  # as in `StageArrays`; where the posture stays, forces are exact
+# `exact` and `close` of `StageArrays`; where the posture stays, forces are exact
+_NEAR, _NEAR_STILL = (2.0**-18, 1e-3), (2.0**-31, 1e-10)
 _STAGE_UNIT = 2.0**-3  # of a stage that has an end: in this unit the shortest steps are counted
 _NO_LIMITS = LimitArrays(np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0), np.full(2, np.inf))
 
@@ -127,7 +128,7 @@ class Leg:
     @property
     def shortest(self) -> float:
         """The shortest step, as a share: what is no farther is nowhere."""
-        return self.stage.unit * self.stage.exact
+        return self.stage.unit * max(2.0 * self.stage.exact, 1e-8)
 
     def _shares(self, limits: LimitArrays, at: Array, state: State) -> Array:
         with np.errstate(all="ignore"):

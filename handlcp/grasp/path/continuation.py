@@ -30,7 +30,15 @@ from handlcp.grasp.path.flow import (
     growth,
     is_measured,
 )
-from handlcp.grasp.path.locate_event import BEGINS, STANDS, excess, excess_slip, first_change, first_crossing, locate_limit
+from handlcp.grasp.path.locate_event import (
+    BEGINS,
+    STANDS,
+    excess,
+    excess_slip,
+    first_change,
+    first_crossing,
+    locate_limit,
+)
 from handlcp.grasp.path.path_model import (
     PENDING,
     SLIPS,
@@ -199,7 +207,7 @@ def _next_step(m: PathReader, g: StageArrays, t: Trace, found: Array, most: floa
     if leg.share >= leg.ends:
         leg.ends = np.inf
     if leg.ends < np.inf:
-        return max(0.5 * (leg.ends - leg.share), g.exact * g.unit)
+        return float(max(0.5 * (leg.ends - leg.share), g.exact * g.unit))
     slides = any_slides(m, found)
     step = g.base
     if g.is_open:
@@ -306,7 +314,8 @@ def _continue_failed(m: PathSteps, g: StageArrays, t: Trace, state: Array, why: 
     if how != MOVES and how != STUCK:
         snapped = _snaps(m.read, g, t, state, end, share, until, how == REST, np.zeros(6))
     if how != REST:
-        leg.ends, leg.then, leg.step = until, how, size / 2.0
+        leg.ends, leg.then = until, how
+        leg.step = size / 2.0 if m.read.poses.follows else g.exact * g.unit  # it may end here exactly
         return _stop(t, how, why) if known else _GOES
     if snapped and _jumps(m.read, g, t, state):
         leg.status = _JUMPS
@@ -325,6 +334,8 @@ def _shorter(m: PathSteps, g: StageArrays, t: Trace, state: Array, size: float) 
     """
     if m.read.poses.follows:
         return 0.5 * size
+    if t.leg[0].ends < np.inf:
+        return max(0.5 * size, g.exact * g.unit)
     begins = np.empty(len(state))
     if find_part(m, g, 0.0, state, state, t.leg[0].share, size, BEGINS, begins) != SETTLED:
         return BEGINS * size

@@ -64,12 +64,11 @@ def find_step(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float
         status = move_unloaded(m, state, controls, row)
         if status != SETTLED:
             status = _push_ahead(m, state, controls, where, start, row)
-    if status != SETTLED and loaded and size <= _ALONE * g.unit and _branch(m, state, controls, row):
+    looks = loaded and size <= _ALONE * g.unit and (leg.ends == np.inf or m.read.poses.follows)
+    if status != SETTLED and looks and _branch(m, state, controls, row):
         status = SETTLED
-    # All solvers are asked for a step that Newton's method does not solve once no shorter step has a solution; where
-    # contacts stay where they are it is one solve however long the step is, and the first step is asked for, too
-    asks = size <= FINEST * g.unit or (leg.failed == 0 and not m.read.poses.follows)
-    if status != SETTLED and leg.ends == np.inf and asks:
+    # All solvers are asked for a step that Newton's method does not solve once no shorter step has a solution
+    if status != SETTLED and leg.ends == np.inf and size <= FINEST * g.unit:
         sought = seek_state(t, state, controls, row)
         if sought in (SETTLED, PENDING):
             status = sought

@@ -72,7 +72,7 @@ def flow(m: PathSteps, t: Trace, begin: Array, controls: Array, push: Array, mos
         if status != SETTLED or distance(m.read, end, found) > _STEP:
             h /= 4.0
             if h < _LEAST:
-                if alone:
+                if alone and m.read.poses.follows:  # else all solvers have been asked for this load already
                     sought = seek_state(t, end, controls, found)
                     if sought == PENDING:
                         return PENDING

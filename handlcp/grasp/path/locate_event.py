@@ -54,10 +54,11 @@ def excess_slip(m: PathReader, t: Trace, slips: Array) -> float:
 def first_change(
     m: PathSteps, g: StageArrays, t: Trace, state: Array, found: Array, share: float, size: float
 ) -> float:  # fmt: skip
-    """The part of a step up to the first change of a contact that held, or whose friction reaches a corner of its flat
-    law, or of a joint that begins to yield, and write the state there into `found`; 1 where none changes. A part
-    below 0 has no solution where contacts stay: a shorter step is to be tried. Between two changes forces are linear in the load but for round laws: what sticks again, or leaves a corner, does so where
-    another contact changes.
+    """The part of a step up to the first change, which is of a contact that held, of one whose friction reaches a
+    corner of its flat law, or of a joint that begins to yield; write the state there into `found`. 1 where nothing
+    changes. A part below 0 has no solution where contacts stay: a shorter step is to be tried. Between two changes
+    forces are linear in the load but for round laws: what sticks again, or leaves a corner, does so where another
+    contact changes.
     """
     a, b = _distances(m.read, state, state), _distances(m.read, state, found)
     stands = STANDS * largest_force(m.read, state)
@@ -66,13 +67,13 @@ def first_change(
             if 0.0 < a[i, c] < stands:
                 a[i, c] = 0.0
     whole, middle, low, high = found.copy(), np.empty(len(found)), 0.0, 1.0
-    if t.leg[0].before == 0.0 and _stays_at_limit(a, b):  # it may hold before it slides
-        if find_part(m, g, 0.0, state, whole, share, size, BEGINS, middle) == SETTLED:
-            now = _distances(m.read, state, middle)
-            for i in range(len(a)):
-                if a[i, 0] <= 0.0 and now[i, 0] > 0.0:
-                    a[i, 0] = now[i, 0]
-    falls = np.zeros((2, len(a), 3))  # how fast distances fall on each side of it, once two parts on that side are known
+    asks = t.leg[0].before == 0.0 and _stays_at_limit(a, b)  # it may hold before it slides
+    if asks and find_part(m, g, 0.0, state, whole, share, size, BEGINS, middle) == SETTLED:
+        now = _distances(m.read, state, middle)
+        for i in range(len(a)):
+            if a[i, 0] <= 0.0 and now[i, 0] > 0.0:
+                a[i, 0] = now[i, 0]
+    falls = np.zeros((2, len(a), 3))  # how fast distances fall on each side of it, once two parts there are known
     wide, slow = 1.0, 0  # looks since the first of them that did not halve what is looked at
     for _ in range(_LOOKS):
         if not _any_changes(a, b) or high - low < 1.5 * g.close:
@@ -153,7 +154,8 @@ def _any_changes(a: Array, b: Array) -> bool:
 @kernel
 def _crossing(low: float, high: float, a: Array, b: Array, falls: Array) -> float:
     """The part at which the first of the distances that change is zero, if they go on as they did, below it or else
-    above it; on a chord where neither side is known. Distances have a kink there: forces fall, then slips or gaps grow, or nothing does.
+    above it; on a chord where neither side is known. Distances have a kink there: forces fall, then slips or gaps
+    grow, or nothing does.
     """
     least, known = high, falls.any()
     for i in range(len(a)):

@@ -261,7 +261,8 @@ def solve_step(
             end.tally[:] = 0.0
             end.tally[0], end.tally[1], end.tally[2] = count, answer[2], 1.0
             end.yielded[:] = 0.0
-            _write_response(found, asked.past, is_pushed_ahead(sizes, found.forces), end)
+            ahead = (free or controls[8] != 0.0) and is_pushed_ahead(sizes, found.forces)
+            _write_response(found, asked.past, ahead, end)
             return SETTLED
         if judged != GOES_ON:
             return judged
@@ -319,8 +320,8 @@ def judge_iterate(
     """Whether an iterate ends its step: SETTLED, GOES_ON, or why the step has no end.
 
     miss, last : how far its end is from it, as a share of the contacts' radii, and the one before. near : what is
-    allowed of that. moved (6,) : of the object in the step; forces (n, 3). free : whether nothing loads the object. more : load
-    that comes in a quasi-static step [N].
+    allowed of that. moved (6,) : of the object in the step; forces (n, 3). free : whether nothing loads the object.
+    more : load that comes in a quasi-static step [N].
     """
     far = pose_distance(sizes.length, moved)
     if miss <= near or not follows:

@@ -338,7 +338,8 @@ class Stepper:
             # as if there were springs alone
             loads = loads._replace(command=end.q + yielded - iterate.at.q + joints.C @ left)
         kinds = shown_statuses(reached.kinds)
-        if is_pushed_ahead(self.sizes, reached.forces):
+        free = controls.kept or not (under.load.any() or under.weight.any())
+        if free and is_pushed_ahead(self.sizes, reached.forces):
             kinds = (OPEN,) * len(kinds)  # pushed ahead, and held by nobody
         return State(
             end, iterate, loads, reached.slip_memory, slid, read, kinds, yielded, controls, reached.start,

@@ -66,8 +66,9 @@ class StageArrays(NamedTuple):
     ends it: `limits`, where what stands_at its limit at the start counts only beyond it, and the object's motion from
     at (6,) on. loads : whether a load changes. accuracy : of a step. tries : after which it is given up.
     goes_on_snapped : whether it goes on after a snap. exact : of a unit, how closely a jump or the last static state is
-    located once there is known to be one; close : of a step, how closely a contact's change is. breath : after so many tries Python looks at it. origin : the
-    state from which an object that nothing holds is pushed out; empty: the first state of the stage.
+    located once there is known to be one; close : of a step, how closely a contact's change is. breath : after so many
+    tries Python looks at it. origin : the state from which an object that nothing holds is pushed out; empty: the first
+    state of the stage.
     """
 
     begin: Array

@@ -1,1 +1,0 @@
-"""A path under a growing load, compiled: from event to event."""
