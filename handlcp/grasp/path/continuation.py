@@ -37,6 +37,7 @@ from handlcp.grasp.path.locate_event import (
     excess_slip,
     first_change,
     first_crossing,
+    keep_sliding,
     locate_limit,
 )
 from handlcp.grasp.path.path_model import (
@@ -73,6 +74,7 @@ _BENDS = 0.5  # of a step: how far from where it was expected it may end
 _AFTER = 4.0  # times the step on which it snapped: the next, where another may follow at once
 _CHAIN = 1.01  # steps between snaps that are one
 _SAFETY, _LEAST_SHARE, _MOST_SHARE = 0.8, 0.1, 3.0  # of the step that the error of the last one suggests
+_SHORT = 0.9  # of a step without a solution that led about to the first change: what is tried next
 _NO_PUSH = np.zeros(0)
 
 # How a call ends: the stage is over, and `leg.status` says how; a contact has slid as far as it may; there is no more
@@ -81,7 +83,7 @@ OVER, PAUSED, FULL, ASKS, BREATHES = 0, 1, 2, 3, 4
 _GOES, _ENDS = 0, 1  # of a try
 _REACHED, _LIMIT, _UNBOUNDED = int(PathStatus.REACHED), int(PathStatus.LIMIT), int(PathStatus.UNBOUNDED)
 _UNSTABLE, _PUSHED_OUT, _LOOSE = int(PathStatus.UNSTABLE), int(PathStatus.PUSHED_OUT), int(PathStatus.LOOSE)
-_NO_FORCES = int(PathStatus.NO_FORCES)
+_NO_FORCES, _TOO_FAR = int(PathStatus.NO_FORCES), int(PathStatus.TOO_FAR)
 _LEAPS, _JUMPS = int(PathStatus.LEAPS), int(PathStatus.JUMPS)
 _STUCK, _SNAPS = int(PathStatus.STUCK), int(PathStatus.SNAPS)
 _TOO_MANY_STEPS = int(PathStatus.TOO_MANY_STEPS)
@@ -142,10 +144,14 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
         size = g.last - share
     if not m.read.poses.follows and leg.ends - share <= 2.0 * g.exact * g.unit:  # shorter steps obey laws by rounding
         return _continue_failed(m, g, t, state, _NO_FORCES, g.exact * g.unit)
-    found = np.empty(len(state))
+    found, still = np.empty(len(state)), not m.read.poses.follows
+    if still and leg.before == 0.0 and leg.failed == 0 and leg.ends == np.inf and carries(m.read, state):
+        size = _step_to_change(m, g, state, share, size)
     status = find_step(m, g, t, state, share, size, found)
     if status == PENDING:
         return PENDING
+    if status == SETTLED and still:
+        keep_sliding(m.read, state, found)
     if status == SETTLED and _leaps(m, g, t, state, found, share, size):
         status = _LEAPS
     if status != SETTLED:
@@ -190,6 +196,10 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     leg.before = 0.0 if happens else size
     most = np.inf if happens else size * (1.0 if leg.failed != 0 else _suggested(g, error))
     leg.step = _next_step(m.read, g, t, found, most)
+    if still and leg.before > 0.0:
+        most = leg.step if leg.ends == np.inf else leg.ends - leg.share
+        change = (first_crossing(m.read, state, found) - 1.0) * size
+        leg.step = max(change, g.exact * g.unit) if change < most else leg.step
     leg.failed = 0
     return _GOES
 
@@ -304,6 +314,9 @@ def _continue_failed(m: PathSteps, g: StageArrays, t: Trace, state: Array, why: 
     if known and leg.then != MOVES:
         return _stop(t, int(leg.then), why)
     until, near = leg.ends if known else share + size, np.inf
+    if why == _TOO_FAR and g.is_open and not m.read.poses.follows:  # it would move on without more load
+        leg.ends, leg.then, leg.step = until, MOVES, g.exact * g.unit
+        return _GOES
     if not known and _may_jump(m.read, g, t, state):  # where it comes to rest is asked once the jump is located exactly
         near = no_snap(t, size)
     end = np.empty(len(state))
@@ -339,7 +352,24 @@ def _shorter(m: PathSteps, g: StageArrays, t: Trace, state: Array, size: float) 
     begins = np.empty(len(state))
     if find_part(m, g, 0.0, state, state, t.leg[0].share, size, BEGINS, begins) != SETTLED:
         return BEGINS * size
-    return size * min(first_crossing(m.read, state, begins), 0.5)
+    part = BEGINS * first_crossing(m.read, state, begins)
+    if part > 2.0 - _SHORT:
+        return 0.5 * size
+    return size * min(part, _SHORT)
+
+
+@steps_kernel
+def _step_to_change(m: PathSteps, g: StageArrays, state: Array, share: float, size: float) -> float:
+    """The step up to the first change of a contact, if all go on as they begin, in place of one of this size: no longer
+    one where any slides on a round law, on which forces are not linear in the load.
+    """
+    begins = np.empty(len(state))
+    if find_part(m, g, 0.0, state, state, share, size, BEGINS, begins) != SETTLED:
+        return size
+    part = BEGINS * first_crossing(m.read, state, begins)
+    if part == np.inf or (part > 1.0 and m.read.friction.faces == 0 and any_slides(m.read, begins)):
+        return size
+    return min(part * size, g.last - share)
 
 
 @kernel

@@ -43,7 +43,7 @@ _GOES_ON = 0.02  # of the forces: how much a short step changes
 _FREE = 1e4  # h of a step that pushes an object which nothing holds
 _LITTLE = 1e-4  # of the contacts' distances: a slip that is expected, and not known
 _NO_PAST = np.zeros((0, 3))
-_NO_FORCES = int(PathStatus.NO_FORCES)
+_NO_FORCES, _TOO_FAR = int(PathStatus.NO_FORCES), int(PathStatus.TOO_FAR)
 
 
 @steps_kernel
@@ -67,8 +67,10 @@ def find_step(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float
     looks = loaded and size <= _ALONE * g.unit and (leg.ends == np.inf or m.read.poses.follows)
     if status != SETTLED and looks and _branch(m, state, controls, row):
         status = SETTLED
-    # All solvers are asked for a step that Newton's method does not solve once no shorter step has a solution
-    if status != SETTLED and leg.ends == np.inf and size <= FINEST * g.unit:
+    # All solvers are asked for a step that Newton's method does not solve once no shorter step has a solution; in one
+    # posture not where it solves it by a motion that needs no more load
+    asks = size <= FINEST * g.unit and (m.read.poses.follows or status != _TOO_FAR)
+    if status != SETTLED and leg.ends == np.inf and asks:
         sought = seek_state(t, state, controls, row)
         if sought in (SETTLED, PENDING):
             status = sought

@@ -331,7 +331,7 @@ def judge_iterate(
         if held and damper_share(sizes, damper, moved, forces) > _HELD_BACK:
             return _NO_FORCES
         if held and damper_force(sizes, damper, moved) > _CREEPS * more > 0.0:
-            return _NO_FORCES
+            return _TOO_FAR
         return SETTLED
     if (count > 3 and miss > _CONTRACTS * last) or miss > _PARTS * last:
         return _RUNS_AWAY
