@@ -29,3 +29,11 @@ def pinch(tmp_path, friction=0.6, normal=2.0, left=None, **more):
     command = np.full(2, normal * (1.0 / K + C))
     state = hand.at(np.full(2, at))
     return state.grasp(contacts, reference=(0, 0, 0), plane=(0.0, 1.0, 0.0), joint_offset=command), normal
+
+
+def polygon(faces, angle):
+    """How far an inscribed regular polygon of friction reaches at an angle from a face's normal; the cone has 1."""
+    if faces == "cone":
+        return 1.0
+    turns = angle - 2 * np.pi * np.arange(faces) / faces
+    return np.cos(np.pi / faces) / np.cos(turns).max()

@@ -1,4 +1,4 @@
-"""The path from event to event is the one that `follow` takes in small steps: random grasps in one posture."""
+"""Random grasps in one posture: a limit is where small steps of `follow` lead."""
 
 import numpy as np
 import pytest
@@ -63,3 +63,24 @@ def test_the_end_of_a_path_is_certified(seed, law, faces):
     there = limit.at_limit
     assert there.held
     assert abs(there.forces - limit.path.forces[-1]).max() < 1e-6 * abs(there.forces).max()
+
+
+@pytest.mark.parametrize(("seed", "law"), [(1, "coulomb"), (8, "coulomb"), (4, "soft"), (1, "anisotropic")])
+def test_on_flat_laws_a_limit_is_exact_whatever_accuracy_is_asked(seed, law):
+    """Friction that slides along a face, into a corner, and out of it where another finger changes."""
+    grasp, w = random_grasp(seed, law)
+    rough = grasp.load_limit(w, faces=6, accuracy=0.1)
+    assert rough.slides is not None
+    assert grasp.load_limit(w, faces=6, accuracy=1e-6).factor == pytest.approx(rough.factor, rel=1e-8)
+    steps = grasp.follow(1.1 * rough.factor * w, ("squeeze", "load"), geometry="fixed", faces=6, steps=100).steps
+    load = steps.stage == steps.stage[-1]
+    slid = steps.slipped[load].max(axis=1)
+    assert 1.1 * np.interp(1e-3, slid, steps.share[load]) == pytest.approx(1.0, abs=1e-5)
+
+
+@pytest.mark.parametrize(("seed", "law"), [(5, "coulomb"), (7, "coulomb"), (3, "soft"), (6, "anisotropic")])
+def test_on_round_laws_a_limit_is_as_accurate_as_was_asked(seed, law):
+    grasp, w = random_grasp(seed, law)
+    fine = grasp.load_limit(w, accuracy=1e-6).factor
+    for accuracy in (1e-2, 1e-3, 1e-4):
+        assert grasp.load_limit(w, accuracy=accuracy).factor == pytest.approx(fine, rel=accuracy)

@@ -56,7 +56,7 @@ def test_joints_that_yield_are_events_by_their_names():
     assert (first.kind, first.who) == ("yields", strict.binds[0].who)
     assert first.factor == pytest.approx(strict.factor, rel=1e-9)
     assert limit.factor > strict.factor
-    assert abs(limit.path.torques).max() <= 0.13 * (1.0 + 1e-9)
+    assert abs(limit.path.torques).max() <= 0.13 * (1.0 + 1e-6)
 
 
 # ---------------------------------------------------------------- a pinch pushed along its own line

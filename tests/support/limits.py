@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from handlcp.grasp.limits.followed import anything_else, followed_limit
 from handlcp.grasp.limits.load_limit import limits_of
 from tests.support.grasp import section_of
 
@@ -10,12 +9,6 @@ from tests.support.grasp import section_of
 def limits_of_grasp(grasp, wrenches, faces="cone", geometry="fixed"):
     """Limits of loads (m, 6) in one call."""
     return limits_of(grasp.spec, section_of(grasp, faces), wrenches, geometry)
-
-
-def limit_in_steps(grasp, wrench, faces="cone"):
-    """The factor that steps of loading find in one posture, in place of a path from event to event."""
-    load = np.array(wrench, dtype=float)
-    return followed_limit(grasp.spec, section_of(grasp, faces), load, anything_else(grasp.spec), "fixed").factor
 
 
 def balanced(end, load):

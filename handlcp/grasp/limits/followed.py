@@ -40,14 +40,6 @@ def resting_stage(spec: GraspSpec) -> Stage:
     return Stage("weight", weight=1.0) if spec.mechanism is not None else Stage(OWN_WRENCH, load=spec.resting_wrench)
 
 
-def followed_limit(
-    spec: GraspSpec, section: Section, wrench: Array, allowed: Allowed, geometry: str = "followed",
-    accuracy: float = ACCURACY,
-) -> LoadLimit:  # fmt: skip
-    """The load limit under a wrench (6,). accuracy : of a step, as in `advance`."""
-    return Before(spec, section, allowed, geometry, accuracy).limit(wrench)
-
-
 class Allowed(NamedTuple):
     """What the object may do: motion [m] and turn [rad], from where the load finds it; max_slip (n,), how far each
     contact may slide [m].
@@ -65,8 +57,8 @@ def anything_else(spec: GraspSpec) -> Allowed:
 
 class Before:
     """What comes before a load grows, followed once: squeeze, weight, and `beside` (6,), a load that is there already
-    besides the weight; of contacts without a hand always their own wrench. tolerance : of steps, as in `Stepper`.
-    patience : as in `advance`. Other arguments as in `followed_limit`.
+    besides the weight; of contacts without a hand always their own wrench. geometry : "followed" or "fixed".
+    tolerance : of steps, as in `Stepper`. accuracy, patience : as in `advance`.
     """
 
     def __init__(

@@ -102,7 +102,7 @@ class _Question:
     def varied(self, spec: GraspSpec, wrench: Array) -> LoadLimit:
         """The same of another grasp, or of another load."""
         spec = without_wrench(spec) if self.own else spec
-        return Before(spec, self.section, self.allowed, _named(self.follows), self.accuracy).limit(wrench)
+        return Before(spec, self.section, self.allowed, _geometry_name(self.follows), self.accuracy).limit(wrench)
 
     def bound(self) -> float:
         """See `LoadLimit.bound`."""
@@ -119,7 +119,7 @@ class _Question:
         return {"factor": np.array(self.varied(own, load).factor)}
 
 
-def _named(follows: bool) -> str:
+def _geometry_name(follows: bool) -> str:
     return "followed" if follows else "fixed"
 
 
@@ -157,7 +157,7 @@ def limits_of(
     accuracy: Any = None, max_slip: Any = MAX_SLIP,
 ) -> Limits:  # fmt: skip
     """Of loads (m, 6), other arguments as in `Grasp.load_limit`. Raises InputError, UnknownName, Unsupported."""
-    how = _named(is_followed(spec, geometry))
+    how = _geometry_name(is_followed(spec, geometry))
     loads = check_array("wrenches", wrenches, (-1, 6))
     if not len(loads) or not loads.any(axis=1).all():
         raise InputError("wrenches", "at least one load, none of them zero", f"{len(loads)} of them")

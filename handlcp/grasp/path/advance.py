@@ -26,8 +26,9 @@ from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 ACCURACY = 1e-3  # of the largest force: the error of a step, unless something else is asked
 _BREATH = 256  # tries of compiled code between two looks at it
-# `exact` and `close` of `StageArrays`; where the posture stays, forces are exact
-_NEAR, _NEAR_STILL = (2.0**-18, 1e-3), (2.0**-31, 1e-10)
+# `exact` and `close` of `StageArrays`; where the posture stays forces are exact, and so is a limit of the load there
+_EXACT, _EXACT_STILL, _EXACT_LIMIT = 2.0**-18, 2.0**-21, 2.0**-33
+_CLOSE, _CLOSE_STILL = 1e-3, 1e-10
 _STAGE_UNIT = 2.0**-3  # of a stage that has an end: in this unit the shortest steps are counted
 _NO_LIMITS = LimitArrays(np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0), np.full(2, np.inf))
 
@@ -115,7 +116,9 @@ class Leg:
         base = base if beyond is None else beyond.first
         tries = patience.tries * max(1.0, (ACCURACY / accuracy) ** 0.5)
         breath = 1 if stepper.compiled is None else _BREATH
-        near = _NEAR if stepper.geometry.follows else _NEAR_STILL
+        near = _EXACT, _CLOSE
+        if not stepper.geometry.follows:
+            near = _EXACT_STILL if beyond is None else _EXACT_LIMIT, _CLOSE_STILL
         self.stage = StageArrays(
             begin, end, base, _STAGE_UNIT if beyond is None else beyond.first, 1.0 if beyond is None else beyond.most,
             beyond is not None, limits, stands, at, loads, accuracy, tries, patience.snaps, *near, breath, origin,

@@ -21,6 +21,7 @@ from handlcp.check import Array
 from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.find_step import ALONG, FINEST, find_part, find_step, is_same
 from handlcp.grasp.path.flow import (
+    CREEPS,
     GROWS,
     MOVES,
     REST,
@@ -37,7 +38,6 @@ from handlcp.grasp.path.locate_event import (
     excess_slip,
     first_change,
     first_crossing,
-    keep_sliding,
     locate_limit,
 )
 from handlcp.grasp.path.path_model import (
@@ -144,16 +144,12 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
         size = g.last - share
     if not m.read.poses.follows and leg.ends - share <= 2.0 * g.exact * g.unit:  # shorter steps obey laws by rounding
         return _continue_failed(m, g, t, state, _NO_FORCES, g.exact * g.unit)
-    found, still = np.empty(len(state)), not m.read.poses.follows
-    if still and leg.before == 0.0 and leg.failed == 0 and leg.ends == np.inf and carries(m.read, state):
-        size = _step_to_change(m, g, state, share, size)
+    found = np.empty(len(state))
     status = find_step(m, g, t, state, share, size, found)
     if status == PENDING:
         return PENDING
-    if status == SETTLED and still:
-        keep_sliding(m.read, state, found)
     if status == SETTLED and _leaps(m, g, t, state, found, share, size):
-        status = _LEAPS
+        status = _LEAPS if m.read.poses.follows else _TOO_FAR  # a damper bears what is a little too much
     if status != SETTLED:
         return _continue_failed(m, g, t, state, status, size)
     if carries(m.read, state):
@@ -196,10 +192,6 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     leg.before = 0.0 if happens else size
     most = np.inf if happens else size * (1.0 if leg.failed != 0 else _suggested(g, error))
     leg.step = _next_step(m.read, g, t, found, most)
-    if still and leg.before > 0.0:
-        most = leg.step if leg.ends == np.inf else leg.ends - leg.share
-        change = (first_crossing(m.read, state, found) - 1.0) * size
-        leg.step = max(change, g.exact * g.unit) if change < most else leg.step
     leg.failed = 0
     return _GOES
 
@@ -217,7 +209,7 @@ def _next_step(m: PathReader, g: StageArrays, t: Trace, found: Array, most: floa
     if leg.share >= leg.ends:
         leg.ends = np.inf
     if leg.ends < np.inf:
-        return float(max(0.5 * (leg.ends - leg.share), g.exact * g.unit))
+        return float(max(_step_to_end(m, t, found), g.exact * g.unit))
     slides = any_slides(m, found)
     step = g.base
     if g.is_open:
@@ -323,6 +315,8 @@ def _continue_failed(m: PathSteps, g: StageArrays, t: Trace, state: Array, why: 
     how = flow(m, t, state, controls_between(g.begin, g.end, until), _NO_PUSH, near, end)
     if how == PENDING:
         return PENDING
+    if how == STUCK and not m.read.poses.follows:  # all solvers were asked for this load, too
+        how = CREEPS
     snapped = False
     if how != MOVES and how != STUCK:
         snapped = _snaps(m.read, g, t, state, end, share, until, how == REST, np.zeros(6))
@@ -353,23 +347,18 @@ def _shorter(m: PathSteps, g: StageArrays, t: Trace, state: Array, size: float) 
     if find_part(m, g, 0.0, state, state, t.leg[0].share, size, BEGINS, begins) != SETTLED:
         return BEGINS * size
     part = BEGINS * first_crossing(m.read, state, begins)
-    if part > 2.0 - _SHORT:
-        return 0.5 * size
-    return size * min(part, _SHORT)
+    return size * min(part, _SHORT) if part < 2.0 - _SHORT else 0.5 * size
 
 
-@steps_kernel
-def _step_to_change(m: PathSteps, g: StageArrays, state: Array, share: float, size: float) -> float:
-    """The step up to the first change of a contact, if all go on as they begin, in place of one of this size: no longer
-    one where any slides on a round law, on which forces are not linear in the load.
+@kernel
+def _step_to_end(m: PathReader, t: Trace, found: Array) -> float:
+    """The step after one towards an end that is known: to half of what is left, or up to where the first contact
+    changes its state if all go on as in the last step, when that is farther.
     """
-    begins = np.empty(len(state))
-    if find_part(m, g, 0.0, state, state, share, size, BEGINS, begins) != SETTLED:
-        return size
-    part = BEGINS * first_crossing(m.read, state, begins)
-    if part == np.inf or (part > 1.0 and m.read.friction.faces == 0 and any_slides(m.read, begins)):
-        return size
-    return min(part * size, g.last - share)
+    leg = t.leg[0]
+    left = leg.ends - leg.share
+    change = (first_crossing(m, t.rows[leg.number - 2], found) - 1.0) * (leg.share - t.shares[leg.number - 2])
+    return float(change if 0.5 * left < change < left and not m.poses.follows else 0.5 * left)
 
 
 @kernel

@@ -22,6 +22,7 @@ from handlcp.grasp.path.path_model import (
     controls_between,
     friction_shares,
     guess_between,
+    has_plain_friction,
     largest_force,
     margins,
     move_unloaded,
@@ -68,8 +69,8 @@ def find_step(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float
     if status != SETTLED and looks and _branch(m, state, controls, row):
         status = SETTLED
     # All solvers are asked for a step that Newton's method does not solve once no shorter step has a solution; in one
-    # posture not where it solves it by a motion that needs no more load
-    asks = size <= FINEST * g.unit and (m.read.poses.follows or status != _TOO_FAR)
+    # posture not where it solves it by a motion that needs no more load, unless forces may be others there, too
+    asks = size <= FINEST * g.unit and (status != _TOO_FAR or m.read.poses.follows or not has_plain_friction(m.read))
     if status != SETTLED and leg.ends == np.inf and asks:
         sought = seek_state(t, state, controls, row)
         if sought in (SETTLED, PENDING):

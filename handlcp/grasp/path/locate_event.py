@@ -9,7 +9,6 @@ from handlcp.grasp.path.find_step import FINEST, find_part
 from handlcp.grasp.path.path_model import (
     OPEN,
     SLIDES,
-    STICKS,
     PathReader,
     PathSteps,
     corner_margins,
@@ -104,37 +103,21 @@ def first_crossing(m: PathReader, state: Array, found: Array) -> float:
     do in it; inf: to none.
     """
     a, b, least = _distances(m, state, state), _distances(m, state, found), np.inf
-    stands = STANDS * largest_force(m, state)
     for i in range(len(a)):
         for c in range(3):
-            if 0.0 < b[i, c] < a[i, c] < np.inf and a[i, c] > stands:
+            if 0.0 < b[i, c] < a[i, c] < np.inf:
                 least = min(least, a[i, c] / (a[i, c] - b[i, c]))
     return least
 
 
 @kernel
-def keep_sliding(m: PathReader, state: Array, found: Array) -> None:
-    """A contact that slid, and is at its limit, still slides, however little in a short step."""
-    old, end = read_state(state, m.state).kinds, read_state(found, m.state).kinds
-    left, stands = margins(m, found), STANDS * largest_force(m, found)
-    for i in range(len(end)):
-        if old[i] == SLIDES and end[i] == STICKS and left[i, 0] <= stands:
-            end[i] = SLIDES
-
-
-@kernel
 def _distances(m: PathReader, state: Array, row: Array) -> Array:
     """(n + nv, 3) of each contact, at a part of a step from `state`: how far it is from sliding, from opening and from
-    a corner of its law [N], or of an open one in a posture that stays from touching; then of each joint how far it has
-    yielded, as a number below 0.
+    a corner of its law [N]; then of each joint how far it has yielded, as a number below 0.
     """
-    old, now = read_state(state, m.state), read_state(row, m.state)
-    n, yielded = len(m.max_slip), now.yielded
+    n, yielded = len(m.max_slip), read_state(row, m.state).yielded
     out = np.full((n + len(yielded), 3), np.inf)
     out[:n, :2], out[:n, 2] = margins(m, row), corner_margins(m, state, row)
-    for i in range(n):
-        if old.kinds[i] == OPEN and not m.poses.follows:
-            out[i, 2] = m.sizes.stiffness * now.motion[i, 2] if now.kinds[i] == OPEN else -now.forces[i, 2]
     for j in range(len(yielded)):
         out[n + j, 0] = -abs(yielded[j]) if yielded[j] != 0.0 else 1.0
     return out

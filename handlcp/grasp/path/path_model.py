@@ -319,6 +319,12 @@ def friction_shares(m: PathReader, row: Array) -> Array:
 
 
 @kernel
+def has_plain_friction(m: PathReader) -> bool:
+    """Whether every contact has Coulomb's law, the same along all tangents."""
+    return len(m.friction.soft) == 0 and bool((m.friction.scale == 1.0).all())
+
+
+@kernel
 def on_same_face(m: PathReader, a: Array, b: Array) -> Bools:
     """(n,) whether friction, as `friction_shares` has it, lies on one flat face, on which slip does not turn."""
     f = m.friction

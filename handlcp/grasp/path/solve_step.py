@@ -328,10 +328,10 @@ def judge_iterate(
         if follows and far > _LARGEST:
             return _TOO_FAR
         held = not follows and not (free and is_pushed_ahead(sizes, forces))
-        if held and damper_share(sizes, damper, moved, forces) > _HELD_BACK:
-            return _NO_FORCES
         if held and damper_force(sizes, damper, moved) > _CREEPS * more > 0.0:
             return _TOO_FAR
+        if held and damper_share(sizes, damper, moved, forces) > _HELD_BACK:
+            return _NO_FORCES
         return SETTLED
     if (count > 3 and miss > _CONTRACTS * last) or miss > _PARTS * last:
         return _RUNS_AWAY

@@ -50,7 +50,7 @@ _ZERO_FACTOR = 1e-9  # of what the grasp bears: what it holds of less is nothing
 @dataclass(frozen=True, slots=True, eq=False)
 class LoadFactors:
     """Of k wrenches, natural units: factors (k,), gaps (k,) relative, forces (k, m), multipliers (k, rows) of the rows
-    of the capacity. NaN as in `Bounds`.
+    of the capacity. NaN as in `StaticLoadBounds`.
     """
 
     factors: Array

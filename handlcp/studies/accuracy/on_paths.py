@@ -13,7 +13,7 @@ from handlcp.check import Array, check_call, check_integer, check_method_calls, 
 from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.grasp.limits.followed import anything_else, followed_limit
+from handlcp.grasp.limits.followed import Before, anything_else
 from handlcp.grasp.limits.load_limit import load_of
 from handlcp.grasp.path.follow import follow, is_followed
 from handlcp.grasp.path.state import Stage
@@ -134,7 +134,7 @@ def path_cost(
     rests = np.zeros(6) if spec.mechanism is not None else spec.resting_wrench
 
     def limit(accuracy: float) -> _Answer:
-        found = followed_limit(spec, section, load, anything_else(spec), how, accuracy)
+        found = Before(spec, section, anything_else(spec), how, accuracy).limit(load)
         return np.array([found.factor]), len(found.path.factors), found.accuracy
 
     best = float(limit(_FINEST * many[-1])[0][0])
