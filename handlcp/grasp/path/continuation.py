@@ -81,6 +81,7 @@ _NO_PUSH = np.zeros(0)
 # room in the trace; Python is asked for a state (`seek_state`), or looks at what was found
 OVER, PAUSED, FULL, ASKS, BREATHES = 0, 1, 2, 3, 4
 _GOES, _ENDS = 0, 1  # of a try
+_CLOSES = 2  # `leg.failed` where a step towards an end that is known had no solution: it is nearer
 _REACHED, _LIMIT, _UNBOUNDED = int(PathStatus.REACHED), int(PathStatus.LIMIT), int(PathStatus.UNBOUNDED)
 _UNSTABLE, _PUSHED_OUT, _LOOSE = int(PathStatus.UNSTABLE), int(PathStatus.PUSHED_OUT), int(PathStatus.LOOSE)
 _NO_FORCES, _TOO_FAR = int(PathStatus.NO_FORCES), int(PathStatus.TOO_FAR)
@@ -142,8 +143,10 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     share, state, size = leg.share, t.rows[leg.number - 1], min(leg.step, g.last - leg.share)
     if share + size > g.last * (1.0 - 1e-9):
         size = g.last - share
-    if not m.read.poses.follows and leg.ends - share <= 2.0 * g.exact * g.unit:  # shorter steps obey laws by rounding
-        return _continue_failed(m, g, t, state, _NO_FORCES, g.exact * g.unit)
+    if not m.read.poses.follows and leg.ends - share <= 2.0 * g.exact * g.unit:
+        if leg.failed == _CLOSES:  # shorter steps obey laws by rounding
+            return _continue_failed(m, g, t, state, _NO_FORCES, g.exact * g.unit)
+        leg.ends = np.inf  # shorter steps lead on
     found = np.empty(len(state))
     status = find_step(m, g, t, state, share, size, found)
     if status == PENDING:
@@ -192,7 +195,7 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     leg.before = 0.0 if happens else size
     most = np.inf if happens else size * (1.0 if leg.failed != 0 else _suggested(g, error))
     leg.step = _next_step(m.read, g, t, found, most)
-    leg.failed = 0
+    leg.failed = 0 if leg.ends == np.inf else leg.failed
     return _GOES
 
 
@@ -295,7 +298,7 @@ def _continue_failed(m: PathSteps, g: StageArrays, t: Trace, state: Array, why: 
     """
     leg = t.leg[0]
     share, known = leg.share, leg.ends < np.inf
-    leg.failed = 1
+    leg.failed = _CLOSES if known else 1
     if size > (g.exact if known else FINEST) * g.unit:
         leg.ends = share + size if known else np.inf
         leg.step = _shorter(m, g, t, state, size)
