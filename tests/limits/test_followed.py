@@ -6,7 +6,7 @@ import pytest
 import handlcp as hl
 from tests.limits.pinches import C, K, pinch
 from tests.loading.hands import ball, box_on_a_table, cube
-from tests.support.many_limits import many_limits
+from tests.support.limits import limits_of_grasp
 
 EXACT = 1e-4  # the stated share to which a limit is located
 X, Z = np.eye(6)[0], np.eye(6)[2]
@@ -129,7 +129,7 @@ def test_joints_that_yield_are_no_limit_and_hold_their_torque():
 
 def test_many_directions_have_each_the_limit_that_it_has_alone():
     g, loads = ball(), np.array([X, Z, [0.0, 0.5, 0.0, 0.01, 0.0, 0.0]])
-    found = many_limits(g, loads)
+    found = limits_of_grasp(g, loads, geometry="followed")
     alone = [g.load_limit(load) for load in loads]
     assert found.geometry == "followed"
     np.testing.assert_array_equal(found.factors, [limit.factor for limit in alone])

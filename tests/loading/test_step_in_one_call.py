@@ -20,7 +20,7 @@ from tests.loading.hands import ball, box_on_a_table, cube
 from tests.paths.corpus import case_of
 from tests.support.power import WEAK, power_grasp
 
-ROUNDING = 1e-6  # of the largest force: paths amplify the rounding of their steps where contacts slide or snap
+ROUNDING = 1e-7  # of the largest force: paths amplify the rounding of their steps where contacts slide
 
 
 class InPython(Geometry):

@@ -80,6 +80,11 @@ class Followed(NamedTuple):
         return [e for e in self.run.events if not rounding or e.share <= (1.0 - _INSTANT) * self.run.shares[-1]]
 
     @property
+    def first_slip(self) -> float | None:
+        """The factor at which a contact begins to slide; None: none does."""
+        return next((e.share for e in self.events if e.kind == "slips"), None)
+
+    @property
     def number(self) -> int:
         """Of the last state."""
         return len(self.run.states) - 1
@@ -145,7 +150,7 @@ def _known(f: Followed) -> _Ends | None:
 def answer(f: Followed) -> LoadLimit:
     """The load limit."""
     run, end = f.run, f.run.shares[-1]
-    first = next((e.share for e in f.events if e.kind == "slips"), None)
+    first = f.first_slip
     slides = None if run.slides is None else run.slides.share
     factor, number = np.inf if run.status == PathStatus.UNBOUNDED else end, f.number
     if run.status.is_lost and end <= f.leg.shortest:
@@ -249,7 +254,7 @@ def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
     ends = ends or _known(f)
     known = np.inf if ends is None else ends.factor
     lost = run.shares[-1] if run.status.is_lost and ends is None else None
-    first = next((e.share for e in f.events if e.kind == "slips"), None)
+    first = f.first_slip
     slides = 0.0 if f.slid is not None else None if run.slides is None else run.slides.share
     named = ("first_slip", first), ("slides", slides), ("lost", lost)
     marks = {name: f.mark(x) for name, x in named if x is not None and x <= known}
