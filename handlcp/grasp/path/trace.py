@@ -15,10 +15,11 @@ _EVENTS, _SNAPS, _ANSWERS = 256, 16, 8
 # Where a stage stands. share : of it, reached. step : the next one that is tried. ends : the share before which there
 # is a snap or the last static state, once that is known, and `then` what a flow from there comes to. speed : of the
 # object in the last step; 0 at the beginning and after a jump. before : the step from the state before the last to the
-# last; 0 where that says nothing. failed : whether the last try had no solution. count : tries. number, events, snaps :
-# how many are written. slides_share, slides_number, jump_share, jump_number : where a contact has slid as far as it
-# may, and where the loaded object jumps, by share and state; number -1: nowhere, -2: in an earlier stage. status : a
-# `PathStatus`. asked, answered : searches of this try that were asked for, and that Python has answered.
+# last; 0 where that says nothing. failed : whether the last try had no solution; 2 since a try towards `ends` had none.
+# count : tries. number, events, snaps : how many are written. slides_share, slides_number, jump_share, jump_number :
+# where a contact has slid as far as it may, and where the loaded object jumps, by share and state; number -1: nowhere,
+# -2: in an earlier stage. status : a `PathStatus`. asked, answered : searches of this try that were asked for, and that
+# Python has answered.
 LEG = np.dtype([
     *[(name, np.float64) for name in ("share", "step", "ends", "speed", "before", "slides_share", "jump_share")],
     *[(name, np.int64) for name in (
