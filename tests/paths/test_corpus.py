@@ -17,7 +17,7 @@ from tests.paths.same import compare_steps, comparisons, factor_of
 
 # (number of seed 0, direction)
 LIMITS = [
-    (17, 5), (18, 6), (26, 2), (42, 6), (44, 8), (92, 8), (117, 9), (163, 7), (164, 8), (183, 3),
+    (236, 8), (398, 2), (17, 5), (18, 6), (26, 2), (42, 6), (44, 8), (92, 8), (117, 9), (163, 7), (164, 8), (183, 3),
     (8, 8), (11, 4), (14, 9), (32, 1), (63, 3), (79, 4), (126, 6), (128, 8), (225, 9), (226, 10),
 ]  # fmt: skip
 STEPS = [(8, 8), (14, 0), (17, 5), (18, 6), (26, 2), (32, 1), (92, 8)]
@@ -45,7 +45,7 @@ def marked(known: list[tuple[int, int]], fail: set[tuple[int, int]], short: int)
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("number", "direction"), marked(LIMITS, CONTRADICTED, 8))
+@pytest.mark.parametrize(("number", "direction"), marked(LIMITS, CONTRADICTED, 10))
 def test_follow_and_check_hold_what_the_limit_says_and_no_more(number, direction):
     found = contradictions(case_of(0, number), direction)
     assert not found, "\n".join(map(str, found))

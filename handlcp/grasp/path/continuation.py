@@ -81,7 +81,7 @@ _NO_PUSH = np.zeros(0)
 # room in the trace; Python is asked for a state (`seek_state`), or looks at what was found
 OVER, PAUSED, FULL, ASKS, BREATHES = 0, 1, 2, 3, 4
 _GOES, _ENDS = 0, 1  # of a try
-_CLOSES = 2  # `leg.failed` where a step towards an end that is known had no solution: it is nearer
+_CLOSES = 2  # `leg.failed` where a step towards an end that is known, or the shortest of all, had no solution
 _REACHED, _LIMIT, _UNBOUNDED = int(PathStatus.REACHED), int(PathStatus.LIMIT), int(PathStatus.UNBOUNDED)
 _UNSTABLE, _PUSHED_OUT, _LOOSE = int(PathStatus.UNSTABLE), int(PathStatus.PUSHED_OUT), int(PathStatus.LOOSE)
 _NO_FORCES, _TOO_FAR = int(PathStatus.NO_FORCES), int(PathStatus.TOO_FAR)
@@ -181,7 +181,7 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
         _add(m.read, g, t, found, share + size, error)
         leg.status = _LIMIT
         return _ENDS
-    slides = g.loads and leg.slides_number == -1 and excess_slip(m.read, t, slip_lengths(m.read, found)) > 0.0
+    slides = g.loads and leg.slides_number == -1 and excess_slip(m.read, t, slip_lengths(m.read, state, found)) > 0.0
     if slides:
         size = locate_limit(m, g, t, state, found, share, size, False)
     leg.speed = distance(m.read, state, found) / size
@@ -236,7 +236,7 @@ def _add(m: PathReader, g: StageArrays, t: Trace, found: Array, share: float, er
     leg.events += count
     t.rows[k], t.shares[k], t.errors[k], t.slipped[k] = found, share, error, t.slipped[k - 1]
     if g.loads:
-        t.slipped[k] += slip_lengths(m, found)
+        t.slipped[k] += slip_lengths(m, t.rows[k - 1], found)
     leg.number = k + 1
     return count > 0
 
@@ -298,7 +298,7 @@ def _continue_failed(m: PathSteps, g: StageArrays, t: Trace, state: Array, why: 
     """
     leg = t.leg[0]
     share, known = leg.share, leg.ends < np.inf
-    leg.failed = _CLOSES if known else 1
+    leg.failed = _CLOSES if known or size <= g.exact * g.unit else 1
     if size > (g.exact if known else FINEST) * g.unit:
         leg.ends = share + size if known else np.inf
         leg.step = _shorter(m, g, t, state, size)

@@ -183,12 +183,12 @@ def locate_limit(
     """
     low, high, whole, best, middle = 0.0, 1.0, found.copy(), found.copy(), np.empty(len(found))
     a = excess(m, g, state) if limits else excess_slip(m.read, t, np.zeros(len(m.read.max_slip)))
-    a, b = min(a, -_ON), excess(m, g, found) if limits else excess_slip(m.read, t, slip_lengths(m.read, found))
+    a, b = min(a, -_ON), excess(m, g, found) if limits else excess_slip(m.read, t, slip_lengths(m.read, state, found))
     for _ in range(_LOOKS):
         part = low + (high - low) * min(max(-a / (b - a), 0.02), 0.98) if b > a else 0.5 * (low + high)
         if find_part(m, g, t.leg[0].before, state, whole, share, size, part, middle) != SETTLED:
             break
-        value = excess(m, g, middle) if limits else excess_slip(m.read, t, slip_lengths(m.read, middle))
+        value = excess(m, g, middle) if limits else excess_slip(m.read, t, slip_lengths(m.read, state, middle))
         if value > 0.0:
             high, b = part, value
             found[:] = middle

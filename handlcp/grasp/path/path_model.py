@@ -241,13 +241,18 @@ def carries(m: PathReader, row: Array) -> bool:
 
 
 @kernel
-def slip_lengths(m: PathReader, row: Array) -> Array:
-    """(n,) how far contacts that press slid in the step to a state [m]."""
-    s = read_state(row, m.state)
+def slip_lengths(m: PathReader, state: Array, row: Array) -> Array:
+    """(n,) how far contacts slid while they pressed in the step from a state to another one [m]. Of the way of one that
+    opens in it counts as much as its normal force takes to fall to zero, if it falls as evenly as the gap grows.
+    """
+    old, s, k = read_state(state, m.state), read_state(row, m.state), m.sizes.stiffness
     out = np.zeros(len(s.kinds))
     for i in range(len(out)):
+        slid = math.hypot(s.motion[i, 0], s.motion[i, 1])
         if s.kinds[i] == SLIDES:
-            out[i] = math.hypot(s.motion[i, 0], s.motion[i, 1])
+            out[i] = slid
+        elif s.kinds[i] == OPEN and old.forces[i, 2] > 0.0:
+            out[i] = slid * old.forces[i, 2] / (old.forces[i, 2] + k * max(s.motion[i, 2], 0.0))
     return out
 
 
