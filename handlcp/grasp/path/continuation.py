@@ -314,11 +314,13 @@ def _continue_failed(m: PathSteps, g: StageArrays, t: Trace, state: Array, why: 
         return _GOES
     if not known and _may_jump(m.read, g, t, state):  # where it comes to rest is asked once the jump is located exactly
         near = no_snap(t, size)
-    end = np.empty(len(state))
-    how = flow(m, t, state, controls_between(g.begin, g.end, until), _NO_PUSH, near, end)
+    end, still = np.empty(len(state)), not m.read.poses.follows
+    how = CREEPS  # in one posture all solvers were asked for this load: there is no rest elsewhere
+    if not (still and g.is_open and m.own is None):
+        how = flow(m, t, state, controls_between(g.begin, g.end, until), _NO_PUSH, near, end)
     if how == PENDING:
         return PENDING
-    if how == STUCK and not m.read.poses.follows:  # all solvers were asked for this load, too
+    if how == STUCK and still:
         how = CREEPS
     snapped = False
     if how != MOVES and how != STUCK:
