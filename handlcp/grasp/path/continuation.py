@@ -74,6 +74,7 @@ _BENDS = 0.5  # of a step: how far from where it was expected it may end
 _AFTER = 4.0  # times the step on which it snapped: the next, where another may follow at once
 _CHAIN = 1.01  # steps between snaps that are one
 _SAFETY, _LEAST_SHARE, _MOST_SHARE = 0.8, 0.1, 3.0  # of the step that the error of the last one suggests
+_BEYOND = 2.0**-12  # of the unit: a step from just before an end that is known, which is none if that leads on
 _SHORT = 0.9  # of a step without a solution that led about to the first change: what is tried next
 _NO_PUSH = np.zeros(0)
 
@@ -144,9 +145,11 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     if share + size > g.last * (1.0 - 1e-9):
         size = g.last - share
     if not m.read.poses.follows and leg.ends - share <= 2.0 * g.exact * g.unit:
-        if leg.failed == _CLOSES:  # shorter steps obey laws by rounding
-            return _continue_failed(m, g, t, state, _NO_FORCES, g.exact * g.unit)
-        leg.ends = np.inf  # shorter steps lead on
+        beyond = min(_BEYOND * g.unit, g.last - share)
+        if leg.failed == _CLOSES and not _leads_beyond(m, g, t, state, share, beyond):
+            return _continue_failed(m, g, t, state, _NO_FORCES, g.exact * g.unit)  # shorter steps obey laws by rounding
+        leg.ends, leg.failed = np.inf, 0  # shorter steps lead on, or one from here does
+        size = min(size, beyond)
     found = np.empty(len(state))
     status = find_step(m, g, t, state, share, size, found)
     if status == PENDING:
@@ -197,6 +200,17 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     leg.step = _next_step(m.read, g, t, found, most)
     leg.failed = 0 if leg.ends == np.inf else leg.failed
     return _GOES
+
+
+@steps_kernel
+def _leads_beyond(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float, size: float) -> bool:
+    """Whether a step from just before the end has a solution. The end is known from a step that began farther away,
+    from where Newton's method may find none among many contacts that are about to slide.
+    """
+    found = np.empty(len(state))
+    if find_step(m, g, t, state, share, size, found) != SETTLED:
+        return False
+    return not _leaps(m, g, t, state, found, share, size)
 
 
 @kernel
