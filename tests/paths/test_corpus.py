@@ -22,9 +22,11 @@ LIMITS = [
 ]  # fmt: skip
 STEPS = [(8, 8), (14, 0), (17, 5), (18, 6), (26, 2), (32, 1), (92, 8)]
 FEW_STEPS = [(8, 1), (344, 8), (18, 6), (26, 2)]
+JAMS = pytest.mark.xfail(strict=True, reason="short steps lead on where longer ones do not: limits differ by 4e-5")
 EIGHT = [
+    pytest.param(case_of(0, 8), 1, id="8-1", marks=JAMS),
     *[pytest.param(case_of(0, number), k, id=f"{number}-{k}") for number, k in
-      ((8, 1), (344, 8), (18, 6), (26, 2), (92, 8), (183, 3))],
+      ((344, 8), (18, 6), (26, 2), (92, 8), (183, 3))],
     pytest.param(power_case(0, 0), 0, id="power"), pytest.param(wrap_case(0, 0), 0, id="wrap"),
 ]  # fmt: skip
 # Those that are contradicted by today's package: take one out once it is not
@@ -97,6 +99,16 @@ def test_the_corpus_has_every_law_and_section_and_three_to_six_contacts():
 
 def test_some_grasps_of_the_corpus_hold_their_squeeze_and_weight():
     assert all(held(case_of(0, number)) for number in (17, 26, 163))
+
+
+@pytest.mark.parametrize(("number", "direction"), [(156, 0), (629, 5)])
+def test_the_end_in_one_posture_is_where_an_earlier_engine_found_it_however_far_it_lies(number, direction):
+    """Steps from farther away have no solution at a fifth of it, and at nine tenths."""
+    case = case_of(0, number)
+    told = next(x for x in frozen() if (x["number"], x["direction"]) == (number, direction))
+    way = case.directions[direction]
+    limit = case.grasp.load_limit(way, geometry="fixed", faces=case.faces, max_slip=np.inf)
+    assert limit.factor == pytest.approx(told["fixed"], rel=1e-5)
 
 
 def test_frozen_scenes_start_from_the_same_forces():

@@ -145,11 +145,9 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     if share + size > g.last * (1.0 - 1e-9):
         size = g.last - share
     if not m.read.poses.follows and leg.ends - share <= 2.0 * g.exact * g.unit:
-        beyond = min(_BEYOND * g.unit, g.last - share)
-        if leg.failed == _CLOSES and not _leads_beyond(m, g, t, state, share, beyond):
+        if leg.failed == _CLOSES and not _leads_beyond(m, g, t, state):
             return _continue_failed(m, g, t, state, _NO_FORCES, g.exact * g.unit)  # shorter steps obey laws by rounding
         leg.ends, leg.failed = np.inf, 0  # shorter steps lead on, or one from here does
-        size = min(size, beyond)
     found = np.empty(len(state))
     status = find_step(m, g, t, state, share, size, found)
     if status == PENDING:
@@ -203,11 +201,12 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
 
 
 @steps_kernel
-def _leads_beyond(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float, size: float) -> bool:
+def _leads_beyond(m: PathSteps, g: StageArrays, t: Trace, state: Array) -> bool:
     """Whether a step from just before the end has a solution. The end is known from a step that began farther away,
     from where Newton's method may find none among many contacts that are about to slide.
     """
-    found = np.empty(len(state))
+    share, found = t.leg[0].share, np.empty(len(state))
+    size = min(_BEYOND * g.unit, g.last - share)
     if find_step(m, g, t, state, share, size, found) != SETTLED:
         return False
     return not _leaps(m, g, t, state, found, share, size)
@@ -328,13 +327,11 @@ def _continue_failed(m: PathSteps, g: StageArrays, t: Trace, state: Array, why: 
         return _GOES
     if not known and _may_jump(m.read, g, t, state):  # where it comes to rest is asked once the jump is located exactly
         near = no_snap(t, size)
-    end, still = np.empty(len(state)), not m.read.poses.follows
-    how = CREEPS  # in one posture all solvers were asked for this load: there is no rest elsewhere
-    if not (still and g.is_open and m.own is None):
-        how = flow(m, t, state, controls_between(g.begin, g.end, until), _NO_PUSH, near, end)
+    end = np.empty(len(state))
+    how = flow(m, t, state, controls_between(g.begin, g.end, until), _NO_PUSH, near, end)
     if how == PENDING:
         return PENDING
-    if how == STUCK and still:
+    if how == STUCK and not m.read.poses.follows:  # all solvers were asked for this load, too
         how = CREEPS
     snapped = False
     if how != MOVES and how != STUCK:
