@@ -60,8 +60,9 @@ from handlcp.grasp.path.path_model import (
     steps_kernel,
     write_events,
 )
-from handlcp.grasp.path.solve_step import SETTLED, read_state
+from handlcp.grasp.path.solve_step import PARTS, SETTLED, read_part
 from handlcp.grasp.path.trace import StageArrays, Trace
+from handlcp.lcp.compiler.kernel import borrowed
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import MIN_SNAP_DISTANCE, SNAP_RATIO
 
@@ -94,6 +95,7 @@ _TOO_MANY_STEPS = int(PathStatus.TOO_MANY_STEPS)
 @model_kernel
 def continue_stage(model: PathModel, g: StageArrays, t: Trace, pauses: bool) -> int:
     """Go on with a stage from where its trace is. pauses : stop where a contact has slid as far as it may, too."""
+    model, g, t = borrowed(model), borrowed(g), borrowed(t)
     m = PathSteps(model.own, [model.step], model.read)
     leg = t.leg[0]
     while leg.share < g.last * (1.0 - 1e-12):
@@ -169,7 +171,7 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     if error > g.accuracy and size > FINEST * g.unit:
         leg.step = size * _suggested(g, error)
         return _GOES
-    kinds = read_state(found, m.read.state).kinds
+    kinds = read_part(found, m.read.state, PARTS.kinds)
     if not is_same(kinds, t.calm) and growth(m.read, found) > GROWS:
         unstable = found.copy()
         size, breaks = _stable_step(m, g, t, state, found, share, size)
@@ -190,7 +192,11 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     happens = _add(m.read, g, t, found, leg.share, error)
     if slides:
         leg.slides_share, leg.slides_number = leg.share, leg.number - 1
-    if carries(m.read, state) and not carries(m.read, found) and read_state(found, m.read.state).controls[8] == 0.0:
+    if (
+        carries(m.read, state)
+        and not carries(m.read, found)
+        and read_part(found, m.read.state, PARTS.controls)[8] == 0.0
+    ):
         leg.status = _LOOSE
         return _ENDS
     leg.before = 0.0 if happens else size
@@ -290,7 +296,7 @@ def _leaps(
         if find_part(m, g, leg.before, state, found, share, size, 0.5, ends) != SETTLED:
             return True
         far *= 0.5
-    read_state(expected, m.read.state).where[:] = where
+    read_part(expected, m.read.state, PARTS.where)[:] = where
     return distance(m.read, expected, ends) > MIN_SNAP_DISTANCE + _BENDS * far
 
 
@@ -393,12 +399,12 @@ def _stable_step(
     that word.
     """
     end, middle, whole = np.empty(len(found)), np.empty(len(found)), found.copy()
-    controls, push = read_state(found, m.read.state).controls, _push(m.read, found, growing_motion(m.read, found))
+    controls, push = read_part(found, m.read.state, PARTS.controls), _push(m.read, found, growing_motion(m.read, found))
     how = flow(m, t, found, controls, push, np.inf, end)
     if how == PENDING:
         return size, PENDING
     if how == REST and distance(m.read, found, end) < _SAME:
-        t.calm[:] = read_state(found, m.read.state).kinds
+        t.calm[:] = read_part(found, m.read.state, PARTS.kinds)
         return size, 0
     low, high = 0.0, 1.0
     found[:] = state
@@ -443,10 +449,9 @@ def _leave_balance(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: 
 @kernel
 def _push(m: PathReader, state: Array, moves: Array) -> Array:
     """(6,) a small wrench along a motion."""
-    size, forces = 0.0, read_state(state, m.state).forces
-    for i in range(len(forces)):
-        for a in range(3):
-            size += abs(forces[i, a])
+    size = 0.0
+    for force in read_part(state, m.state, PARTS.forces):
+        size += abs(force)
     push = _PUSH * size * moves
     push[3:] *= m.sizes.length
     return push

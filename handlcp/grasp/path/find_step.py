@@ -31,7 +31,7 @@ from handlcp.grasp.path.path_model import (
     steps_kernel,
     take_step,
 )
-from handlcp.grasp.path.solve_step import NO_FORCE, SETTLED, StepOptions, read_state
+from handlcp.grasp.path.solve_step import NO_FORCE, PARTS, SETTLED, StepOptions, read_part, read_state
 from handlcp.grasp.path.trace import StageArrays, Trace
 from handlcp.lcp.kernels.dense import kernel
 
@@ -52,15 +52,16 @@ def find_step(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float
     """Write the end of one step, solved from where the last two led; where that has no solution, from the last
     state.
     """
-    leg, controls, old = t.leg[0], controls_between(g.begin, g.end, share + size), read_state(state, m.read.state)
-    where, start, loaded, predicted = old.where, old.start, carries(m.read, state), leg.before > 0.0
+    leg, controls, loaded = t.leg[0], controls_between(g.begin, g.end, share + size), carries(m.read, state)
+    stood, began = read_part(state, m.read.state, PARTS.where), read_part(state, m.read.state, PARTS.start)
+    where, start, predicted = stood, began, leg.before > 0.0
     if predicted:
         where, start = guess_between(m.read, t.rows[leg.number - 2], state, 1.0 + min(size / leg.before, ALONG))
     if _second_order(m, leg.before, state, controls, where, start, size, row):
         return SETTLED
     status = _first_order(m, state, controls, where, start, row)
     if status != SETTLED and predicted and size < _ALONE * g.unit:
-        status = take_step(m, state, controls, old.where, old.start, _quasistatic(m.read.sizes.slow), row)
+        status = take_step(m, state, controls, stood, began, _quasistatic(m.read.sizes.slow), row)
     if status != SETTLED and not loaded:
         status = move_unloaded(m, state, controls, row)
         if status != SETTLED:
@@ -94,17 +95,19 @@ def _second_order(
     """
     if before == 0.0 or m.read.friction.faces > 0 or not any_slides(m.read, state):
         return False
-    old, ratio = read_state(state, m.read.state), size / before
-    part, past = ratio**2 / (1.0 + 2.0 * ratio), np.zeros((len(old.kinds), 3))
+    s, ratio = m.read.state, size / before
+    old, spin = read_part(state, s, PARTS.kinds), read_part(state, s, PARTS.spin)
+    motion = read_part(state, s, PARTS.motion)
+    part, past = ratio**2 / (1.0 + 2.0 * ratio), np.zeros((len(old), 3))
     for i in range(len(past)):
-        if old.kinds[i] == SLIDES:
-            past[i, 0], past[i, 1] = part * old.motion[i, 0], part * old.motion[i, 1]
-            past[i, 2] = part * old.spin[i]
+        if old[i] == SLIDES:
+            past[i, 0], past[i, 1] = part * motion[3 * i], part * motion[3 * i + 1]
+            past[i, 2] = part * spin[i]
     if take_step(m, state, controls, where, start, StepOptions(m.read.sizes.slow, 1.0, past, False), row) != SETTLED:
         return False
-    kinds, fits = read_state(row, m.read.state).kinds, True
+    kinds, fits = read_part(row, m.read.state, PARTS.kinds), True
     for i in range(len(kinds)):
-        fits = fits and not (old.kinds[i] == SLIDES and kinds[i] == STICKS)
+        fits = fits and not (old[i] == SLIDES and kinds[i] == STICKS)
     return fits
 
 
@@ -125,7 +128,7 @@ def _first_order(m: PathSteps, state: Array, controls: Array, where: Array, star
     better = np.empty(len(row))
     asked = StepOptions(m.read.sizes.slow, 1.0, past, False)
     again = take_step(m, state, controls, end.where, end.start, asked, better)
-    if again == SETTLED and is_same(read_state(better, m.read.state).kinds, end.kinds):
+    if again == SETTLED and is_same(read_part(better, m.read.state, PARTS.kinds), end.kinds):
         row[:] = better
     return status
 
@@ -174,7 +177,8 @@ def _branch(m: PathSteps, state: Array, controls: Array, row: Array) -> bool:
                 slides[may[k]] = not slides[may[k]]
             start = _expecting(m.read, state, slides)
             settled = take_step(m, state, controls, old.where, start, _quasistatic(m.read.sizes.slow), row) == SETTLED
-            if settled and _largest_change(read_state(row, m.read.state).forces, old.forces) <= _GOES_ON * size:
+            now = read_part(row, m.read.state, PARTS.forces)
+            if settled and _largest_change(now, old.forces.reshape(-1)) <= _GOES_ON * size:
                 return True
             if not _next_combination(chosen, count):
                 break
@@ -198,8 +202,7 @@ def _next_combination(chosen: Ints, count: int) -> bool:
 def _largest_change(a: Array, b: Array) -> float:
     largest = 0.0
     for i in range(len(a)):
-        for c in range(a.shape[1]):
-            largest = max(largest, abs(a[i, c] - b[i, c]))
+        largest = max(largest, abs(a[i] - b[i]))
     return largest
 
 

@@ -20,7 +20,7 @@ from handlcp.grasp.path.path_model import (
     steps_kernel,
     take_step,
 )
-from handlcp.grasp.path.solve_step import SETTLED, StepOptions, damper_share, read_state
+from handlcp.grasp.path.solve_step import PARTS, SETTLED, StepOptions, damper_share, read_part, read_state
 from handlcp.grasp.path.trace import Trace
 from handlcp.lcp.kernels.dense import kernel, product
 
@@ -130,7 +130,8 @@ def seek_state(t: Trace, before: Array, controls: Array, row: Array) -> int:
 @kernel
 def resistance(m: PathReader, a: Array, b: Array, h: float) -> float:
     """What the object's damper takes in a step with h, as a share of the normal forces."""
-    return m.sizes.slow / h * damper_share(m.sizes, m.damper, motion(m, a, b), read_state(b, m.state).forces)
+    forces = read_part(b, m.state, PARTS.forces).reshape(-1, 3)
+    return m.sizes.slow / h * damper_share(m.sizes, m.damper, motion(m, a, b), forces)
 
 
 @kernel
@@ -162,8 +163,8 @@ GROWS = 1e-4
 @kernel
 def is_measured(m: PathReader, row: Array) -> bool:
     """Whether S is known: not in the state that a path begins with, nor where no force turns."""
-    s = read_state(row, m.state)
-    return bool(s.tally[1] != 0.0 and np.isfinite(s.met).all())
+    tally, met = read_part(row, m.state, PARTS.tally), read_part(row, m.state, PARTS.met)
+    return bool(tally[1] != 0.0 and np.isfinite(met).all())
 
 
 @kernel
@@ -173,7 +174,7 @@ def growth(m: PathReader, row: Array) -> float:
     """
     if not is_measured(m, row):
         return np.nan
-    S = read_state(row, m.state).met
+    S = read_part(row, m.state, PARTS.met).reshape(len(m.freedom), -1)
     if shrinks(S, GROWS):
         return GROWS
     return float(np.linalg.eigvals(S.astype(np.complex128)).real.max())

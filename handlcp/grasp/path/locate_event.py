@@ -18,7 +18,7 @@ from handlcp.grasp.path.path_model import (
     slip_lengths,
     steps_kernel,
 )
-from handlcp.grasp.path.solve_step import SETTLED, StateArrays, read_state
+from handlcp.grasp.path.solve_step import PARTS, SETTLED, StateArrays, read_part, read_state
 from handlcp.grasp.path.trace import StageArrays, Trace
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
@@ -62,7 +62,7 @@ def first_change(
     """
     a, b = _distances(m.read, state, state), _distances(m.read, state, found)
     stands = STANDS * largest_force(m.read, state)
-    for i in range(len(read_state(state, m.read.state).kinds)):
+    for i in range(len(m.read.max_slip)):
         for c in range(3):
             if 0.0 < a[i, c] < stands:
                 a[i, c] = 0.0
@@ -115,7 +115,7 @@ def _distances(m: PathReader, state: Array, row: Array) -> Array:
     """(n + nv, 3) of each contact, at a part of a step from `state`: how far it is from sliding, from opening and from
     a corner of its law [N]; then of each joint how far it has yielded, as a number below 0.
     """
-    n, yielded = len(m.max_slip), read_state(row, m.state).yielded
+    n, yielded = len(m.max_slip), read_part(row, m.state, PARTS.yielded)
     out = np.full((n + len(yielded), 3), np.inf)
     out[:n, :2], out[:n, 2] = margins(m, row), corner_margins(m, state, row)
     for j in range(len(yielded)):

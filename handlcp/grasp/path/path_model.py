@@ -29,12 +29,14 @@ from handlcp.grasp.path.linearise import (
     slip_between,
 )
 from handlcp.grasp.path.solve_step import (
+    PARTS,
     SETTLED,
     Sizes,
     StepOptions,
     is_loaded,
     pose_distance,
     preload_offsets,
+    read_part,
     read_state,
     solve_step,
 )
@@ -196,7 +198,7 @@ def move_unloaded(m: PathSteps, before: Array, controls: Array, row: Array) -> i
 @kernel
 def motion(m: PathReader, a: Array, b: Array) -> Array:
     """(6,) of the object from state a to state b: of its reference point [m], and turned [rad]."""
-    before, after = read_state(a, m.state).where, read_state(b, m.state).where
+    before, after = read_part(a, m.state, PARTS.where), read_part(b, m.state, PARTS.where)
     return pose_difference(m.poses, read_place(m.poses, before).pose, read_place(m.poses, after).pose)
 
 
@@ -209,12 +211,12 @@ def distance(m: PathReader, a: Array, b: Array) -> float:
 @kernel
 def reach(m: PathReader, row: Array) -> float:
     """The farthest contact's distance from the reference, as a share of the same."""
-    s, farthest = read_state(row, m.state), 0.0
-    moved = pose_displacement(m.poses, read_place(m.poses, s.at).pose)
-    for i in range(len(s.kinds)):
+    positions, farthest = read_part(row, m.state, PARTS.positions), 0.0
+    moved = pose_displacement(m.poses, read_place(m.poses, read_part(row, m.state, PARTS.at)).pose)
+    for i in range(len(m.max_slip)):
         square = 0.0
         for a in range(3):
-            square += (s.positions[i, a] - m.poses.reference[a] - (moved[a] if m.poses.follows else 0.0)) ** 2
+            square += (positions[3 * i + a] - m.poses.reference[a] - (moved[a] if m.poses.follows else 0.0)) ** 2
         farthest = max(farthest, square)
     return math.sqrt(farthest) / m.sizes.length
 
@@ -223,7 +225,7 @@ def reach(m: PathReader, row: Array) -> float:
 def largest_force(m: PathReader, row: Array) -> float:
     """Of all components [N]."""
     largest = 0.0
-    for x in read_state(row, m.state).forces.reshape(-1):
+    for x in read_part(row, m.state, PARTS.forces):
         largest = max(largest, abs(x))
     return largest
 
@@ -231,13 +233,13 @@ def largest_force(m: PathReader, row: Array) -> float:
 @kernel
 def any_slides(m: PathReader, row: Array) -> bool:
     """Whether a contact slides."""
-    return bool((read_state(row, m.state).kinds == SLIDES).any())
+    return bool((read_part(row, m.state, PARTS.kinds) == SLIDES).any())
 
 
 @kernel
 def carries(m: PathReader, row: Array) -> bool:
     """Whether a contact carries anything."""
-    return is_loaded(read_state(row, m.state).kinds)
+    return is_loaded(read_part(row, m.state, PARTS.kinds))
 
 
 @kernel
@@ -245,14 +247,15 @@ def slip_lengths(m: PathReader, state: Array, row: Array) -> Array:
     """(n,) how far contacts slid while they pressed in the step from a state to another one [m]. Of the way of one that
     opens in it counts as much as its normal force takes to fall to zero, if it falls as evenly as the gap grows.
     """
-    old, s, k = read_state(state, m.state), read_state(row, m.state), m.sizes.stiffness
-    out = np.zeros(len(s.kinds))
+    forces, motion = read_part(state, m.state, PARTS.forces), read_part(row, m.state, PARTS.motion)
+    kinds = read_part(row, m.state, PARTS.kinds)
+    out = np.zeros(len(kinds))
     for i in range(len(out)):
-        slid = math.hypot(s.motion[i, 0], s.motion[i, 1])
-        if s.kinds[i] == SLIDES:
+        slid, pressed = math.hypot(motion[3 * i], motion[3 * i + 1]), forces[3 * i + 2]
+        if kinds[i] == SLIDES:
             out[i] = slid
-        elif s.kinds[i] == OPEN and old.forces[i, 2] > 0.0:
-            out[i] = slid * old.forces[i, 2] / (old.forces[i, 2] + k * max(s.motion[i, 2], 0.0))
+        elif kinds[i] == OPEN and pressed > 0.0:
+            out[i] = slid * pressed / (pressed + m.sizes.stiffness * max(motion[3 * i + 2], 0.0))
     return out
 
 
@@ -261,19 +264,21 @@ def margins(m: PathReader, row: Array) -> Array:
     """(n, 2) of each contact: how far it is from sliding and from opening, in newtons; below 0, what it has slid and
     opened in the step, as the force that would take it back.
     """
-    s, k, f = read_state(row, m.state), m.sizes.stiffness, m.friction
-    out, shares = np.empty((len(s.kinds), 2)), friction_shares(m, row)
+    kinds, forces = read_part(row, m.state, PARTS.kinds), read_part(row, m.state, PARTS.forces)
+    motion, spin = read_part(row, m.state, PARTS.motion), read_part(row, m.state, PARTS.spin)
+    k, f, shares = m.sizes.stiffness, m.friction, friction_shares(m, row)
+    out = np.empty((len(kinds), 2))
     for i in range(len(out)):
-        if s.kinds[i] == OPEN:
-            out[i, 0], out[i, 1] = np.inf, -k * max(s.motion[i, 2], 0.0)
+        if kinds[i] == OPEN:
+            out[i, 0], out[i, 1] = np.inf, -k * max(motion[3 * i + 2], 0.0)
             continue
-        out[i, 1] = s.forces[i, 2]
-        if s.kinds[i] == SLIDES:
-            slip = s.motion[i, 0] ** 2 + s.motion[i, 1] ** 2 + (s.spin[i] * m.sizes.length) ** 2
+        out[i, 1] = forces[3 * i + 2]
+        if kinds[i] == SLIDES:
+            slip = motion[3 * i] ** 2 + motion[3 * i + 1] ** 2 + (spin[i] * m.sizes.length) ** 2
             out[i, 0] = -k * math.sqrt(slip)
         else:
             _, used = _friction_used(f, i, shares[i])
-            out[i, 0] = f.coefficients[i] * s.forces[i, 2] * (1.0 - used) if used < 1.0 - _AT_LIMIT else 0.0
+            out[i, 0] = f.coefficients[i] * forces[3 * i + 2] * (1.0 - used) if used < 1.0 - _AT_LIMIT else 0.0
     return out
 
 
@@ -282,15 +287,15 @@ def corner_margins(m: PathReader, state: Array, row: Array) -> Array:
     """(n,) how far friction that is on flat faces of its law in `state` is in another one from reaching a further
     face, in newtons; below 0 it is on that one; inf of other contacts.
     """
-    s, end, f = read_state(state, m.state), read_state(row, m.state), m.friction
-    out = np.full(len(s.kinds), np.inf)
+    f, kinds, forces = m.friction, read_part(state, m.state, PARTS.kinds), read_part(row, m.state, PARTS.forces)
+    out = np.full(len(kinds), np.inf)
     if f.faces == 0:
         return out
     before, now = friction_shares(m, state), friction_shares(m, row)
     for i in range(len(out)):
         normals, on, off = _flat_faces(f, i), -np.inf, -np.inf
         _, used = _friction_used(f, i, before[i])
-        if s.kinds[i] == OPEN or used < 1.0 - _AT_LIMIT:
+        if kinds[i] == OPEN or used < 1.0 - _AT_LIMIT:
             continue
         for j in range(len(normals)):
             along, then = _along(normals, j, before[i]), _along(normals, j, now[i])
@@ -299,7 +304,7 @@ def corner_margins(m: PathReader, state: Array, row: Array) -> Array:
             else:
                 off = max(off, then)
         far = on - off if abs(on - off) > _AT_LIMIT else 0.0
-        out[i] = f.coefficients[i] * end.forces[i, 2] * far
+        out[i] = f.coefficients[i] * forces[3 * i + 2] * far
     return out
 
 
@@ -308,16 +313,15 @@ def friction_shares(m: PathReader, row: Array) -> Array:
     """(n, 3) friction as a share of its limit, along x, y and about z, in coordinates in which the laws are round;
     zeros where nothing presses.
     """
-    s, f = read_state(row, m.state), m.friction
-    n = len(s.kinds)
+    n, start, f = len(m.max_slip), read_part(row, m.state, PARTS.start), m.friction
     out = np.zeros((n, 3))
     for i in range(n):
         for a in range(2):
-            out[i, a] = s.start[3 * i + a]
+            out[i, a] = start[3 * i + a]
     for k in range(len(f.soft)):
-        out[f.soft[k], 2] = s.start[3 * n + k]
+        out[f.soft[k], 2] = start[3 * n + k]
     for i in range(n):
-        limit = f.coefficients[i] * s.start[3 * i + 2]
+        limit = f.coefficients[i] * start[3 * i + 2]
         for a in range(3):
             out[i, a] = out[i, a] / limit if limit > 0.0 else 0.0
     return out
@@ -376,15 +380,15 @@ def slip_toward(m: PathReader, direction: Array, row: Array) -> Array:
     """(n, 3) as long a slip as that of the step to a state, but along `direction` (n, 3), in the coordinates of
     `friction_shares`; along x and y [m] and about z [rad].
     """
-    s, f = read_state(row, m.state), m.friction
-    n = len(s.kinds)
+    motion, spin, f = read_part(row, m.state, PARTS.motion), read_part(row, m.state, PARTS.spin), m.friction
+    n = len(spin)
     out, scale = np.zeros((n, 3)), np.ones((n, 3))
     for i in range(n):
         for a in range(2):
-            scale[i, a], out[i, a] = f.scale[3 * i + a], s.motion[i, a] * f.scale[3 * i + a]
+            scale[i, a], out[i, a] = f.scale[3 * i + a], motion[3 * i + a] * f.scale[3 * i + a]
     for k in range(len(f.soft)):
         i = f.soft[k]
-        scale[i, 2], out[i, 2] = f.scale[3 * n + k], s.spin[i] * f.scale[3 * n + k]
+        scale[i, 2], out[i, 2] = f.scale[3 * n + k], spin[i] * f.scale[3 * n + k]
     for i in range(n):
         size, along = 0.0, 0.0
         for a in range(3):
@@ -405,19 +409,20 @@ def estimate_error(m: PathReader, state: Array, found: Array, earlier: Array, ra
     """
     if not any_slides(m, found):
         return 0.0
-    was, end, f = read_state(state, m.state), read_state(found, m.state), m.friction
+    was, end = read_part(state, m.state, PARTS.kinds), read_part(found, m.state, PARTS.kinds)
+    f, forces = m.friction, read_part(found, m.state, PARTS.forces)
     now, last = friction_shares(m, found), friction_shares(m, state)
     before = friction_shares(m, earlier) if ratio > 0.0 else last
     same, largest = on_same_face(m, now, last), 0.0
     for i in range(len(now)):
-        if end.kinds[i] != SLIDES or was.kinds[i] != SLIDES or same[i]:
+        if end[i] != SLIDES or was[i] != SLIDES or same[i]:
             continue
         turned, bends = 0.0, 0.0
         for a in range(3):
             turned += (now[i, a] - last[i, a]) ** 2
             bends += (now[i, a] - last[i, a] - ratio * (last[i, a] - before[i, a])) ** 2
         error = 0.5 * turned if ratio == 0.0 else math.sqrt(bends) / 3.0 + turned**1.5 / 4.0
-        largest = max(largest, error * f.coefficients[i] * end.forces[i, 2])
+        largest = max(largest, error * f.coefficients[i] * forces[3 * i + 2])
     return largest / max(largest_force(m, found), 1e-300)
 
 
@@ -430,16 +435,18 @@ def limit_shares(m: PathReader, limits: LimitArrays, at: Array, row: Array) -> A
     """Shares of the limits, as `failure_mode.limit_shares`: (nv + t,) of torques and tensions, (nv,) of ranges, 2 of
     the object's motion from `at` (6,) on. NaN where a torque is.
     """
-    s, efforts, named = read_state(row, m.state), len(limits.inverse_efforts), len(limits.lower)
-    q, nv = read_place(m.poses, s.where).q, len(s.torque)
+    torque, tension = read_part(row, m.state, PARTS.torque), read_part(row, m.state, PARTS.tension)
+    efforts, named, nv = len(limits.inverse_efforts), len(limits.lower), len(torque)
+    place = read_place(m.poses, read_part(row, m.state, PARTS.where))
+    q = place.q
     out = np.empty(efforts + named + 2)
     for j in range(efforts):
-        effort = s.torque[j] + m.springs[0, j] + m.springs[1, j] * q[j] if j < nv else s.tension[j - nv]
+        effort = torque[j] + m.springs[0, j] + m.springs[1, j] * q[j] if j < nv else tension[j - nv]
         out[j] = abs(effort) * limits.inverse_efforts[j]
     for j in range(named):
         beyond = max(q[j] - limits.upper[j], limits.lower[j] - q[j])
         out[efforts + j] = beyond * limits.inverse_spans[j] + 1.0
-    moved = pose_displacement(m.poses, read_place(m.poses, s.where).pose) - at
+    moved = pose_displacement(m.poses, place.pose) - at
     for part in range(2):
         square = 0.0
         for a in range(3):
@@ -457,13 +464,13 @@ def write_events(m: PathReader, a: Array, b: Array, out: Array) -> int:
     """Write (code, who) of what happens from one state to the next, into out (·, 2), as far as there is room. How many
     of them there are.
     """
-    before, now, count = read_state(a, m.state), read_state(b, m.state), 0
-    bare = before.tally[2] == 0.0  # a state without a solve says gaps in its base alone
-    for i in range(len(now.kinds)):
-        was, kind = before.kinds[i], now.kinds[i]
+    before, now, count = read_part(a, m.state, PARTS.kinds), read_part(b, m.state, PARTS.kinds), 0
+    bare = read_part(a, m.state, PARTS.tally)[2] == 0.0  # a state without a solve says gaps in its base alone
+    for i in range(len(now)):
+        was, kind = before[i], now[i]
         if was == kind:
             continue
-        gap = before.base[i, 2] if bare else before.motion[i, 2]
+        gap = read_part(a, m.state, PARTS.base if bare else PARTS.motion)[3 * i + 2]
         if kind == OPEN:
             count = _note(out, count, OPENS, i)
         elif was == OPEN and gap > m.near:
@@ -480,10 +487,12 @@ def write_events(m: PathReader, a: Array, b: Array, out: Array) -> int:
     most = 1.0 + OVER_LIMIT_TOLERANCE
     for j in range(efforts):
         count = _note_change(out, count, OVER, j, first[j] > most, second[j] > most)
-    for j in range(len(now.slack)):
-        count = _note_change(out, count, SLACK, j, before.slack[j] != 0.0, now.slack[j] != 0.0)
+    slack, now_slack = read_part(a, m.state, PARTS.slack), read_part(b, m.state, PARTS.slack)
+    for j in range(len(slack)):
+        count = _note_change(out, count, SLACK, j, slack[j] != 0.0, now_slack[j] != 0.0)
+    yielded, now_yielded = read_part(a, m.state, PARTS.yielded), read_part(b, m.state, PARTS.yielded)
     for j in range(named):
-        count = _note_change(out, count, YIELDS, j, before.yielded[j] != 0.0, now.yielded[j] != 0.0)
+        count = _note_change(out, count, YIELDS, j, yielded[j] != 0.0, now_yielded[j] != 0.0)
     for j in range(named):
         k = efforts + j
         count = _note_change(out, count, RANGE, j, first[k] > most, second[k] > most)
@@ -525,10 +534,11 @@ def controls_between(begin: Array, end: Array, share: float) -> Array:
 @kernel
 def guess_between(m: PathReader, a: Array, b: Array, share: float) -> tuple[Array, Array]:
     """(configuration, start) that are expected at this share of the way from state a to state b, beyond b above 1."""
-    first, second = read_state(a, m.state), read_state(b, m.state)
-    where, start = np.empty(len(first.where)), second.start.copy()
-    place_between(m.poses, first.where, second.where, share, where)
-    if first.tally[2] == second.tally[2]:
+    first, second = read_part(a, m.state, PARTS.where), read_part(b, m.state, PARTS.where)
+    old, start = read_part(a, m.state, PARTS.start), read_part(b, m.state, PARTS.start).copy()
+    where = np.empty(len(first))
+    place_between(m.poses, first, second, share, where)
+    if read_part(a, m.state, PARTS.tally)[2] == read_part(b, m.state, PARTS.tally)[2]:
         for k in range(len(start)):
-            start[k] = first.start[k] + share * (second.start[k] - first.start[k])
+            start[k] = old[k] + share * (start[k] - old[k])
     return where, start

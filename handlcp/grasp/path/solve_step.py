@@ -8,7 +8,7 @@ are controls: load (6,), weight, preload, whether the object is kept, command (n
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from handlcp.grasp.path.newton.linear_solve import Rules
 from handlcp.grasp.path.newton.numbers import Damping, Loads, Situation
 from handlcp.grasp.path.newton.row_layout import RowLayout
 from handlcp.lcp import Auto
+from handlcp.lcp.compiler.kernel import borrowed
 from handlcp.lcp.kernels.dense import kernel
 
 MAX_ITERATES = 9  # of one step, after which it counts as one that does not settle
@@ -158,6 +159,15 @@ class StateArrays(NamedTuple):
     yielded: Array
 
 
+PARTS: Any = StateArrays(*range(len(StateArrays._fields)))  # type: ignore[arg-type]  # the number of each part of a row
+
+
+@kernel
+def read_part(row: Array, s: Ints, part: int) -> Array:
+    """One part of a row, flat: a view that costs a twentieth of all of them. s : where they begin."""
+    return row[s[part] : s[part + 1]]
+
+
 @kernel
 def read_state(row: Array, s: Ints) -> StateArrays:
     """The parts of a row; s : where they begin."""
@@ -205,7 +215,7 @@ def solve_step(
     why not. guess : a configuration near its end; start (2c + 9,) : as in `Reached`.
     """
     g, poses, sizes = m.geometry, m.geometry.poses, m.sizes
-    old, end = read_state(before, m.state), read_state(row, m.state)
+    old, end = read_state(borrowed(before), m.state), read_state(borrowed(row), m.state)
     n, near = len(old.kinds), asked.rough * sizes.tolerance
     loaded, kinds = is_loaded(old.kinds), old.kinds.astype(np.int64)
     contacts, slow, pads = new_contacts(g), 1.0 / asked.h, 1.0 / asked.h if asked.slow_pads else 0.0
@@ -446,7 +456,7 @@ def answer_iterate(
     loaded : whether anything was carried before; kinds (n,) : contact states then. near : as in `one_iteration`. parts,
     row : of `Answer`.
     """
-    begun = start if loaded else start[:0]
+    s, rules, begun = borrowed(s), borrowed(rules), start if loaded else start[:0]
     found = solve_once(s, rules, by_contact, begun, True, near, row)
     answer = read_answer(row, parts)
     if not loaded and not (found and answer.kinds.any()):

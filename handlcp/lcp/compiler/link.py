@@ -12,11 +12,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
+from numba.core import cgutils
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
-from numba.extending import overload
+from numba.core.types import Array, BaseTuple
+from numba.extending import intrinsic, overload
 from numba.np import arrayobj
+
+from handlcp.lcp.compiler.kernel import borrowed
 
 _LARGE_KERNEL_INSTRUCTIONS = 150  # instructions of LLVM, optimised: of these a call costs little
 
@@ -70,6 +74,40 @@ def is_large(found: Any) -> bool:
 def keep_apart(found: Any, kernel: str, types: Any) -> None:
     """From now on callers of this kernel do not take it in. found : what numba compiled, or loaded from a file."""
     found.library.own = LinkedKernel(kernel, types, found.fndesc.llvm_func_name)
+
+
+# ----------------------------------------------------------------
+# Arrays that a kernel borrows of its caller, who keeps them: code that counts owners of an array finds none to count.
+
+
+@intrinsic
+def _without_owner(_context: Any, arrays: Any) -> Any:
+    """A value of the same type, whose arrays have no owner."""
+
+    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return _disown(context, builder, signature.args[0], values[0])
+
+    return arrays(arrays), code
+
+
+def _disown(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    if isinstance(kind, Array):
+        made = context.make_array(kind)(context, builder, value)
+        made.meminfo = cgutils.get_null_value(made.meminfo.type)
+        return made._getvalue()
+    if isinstance(kind, BaseTuple):
+        for k, part in enumerate(kind.types):
+            own = builder.extract_value(value, k)
+            value = builder.insert_value(value, _disown(context, builder, part, own), k)
+    return value
+
+
+@overload(borrowed, target="cpu")  # type: ignore[untyped-decorator]
+def _overload_borrowed(arrays: Any) -> Any:
+    def disowned(arrays: Any) -> Any:
+        return _without_owner(arrays)
+
+    return disowned
 
 
 # ----------------------------------------------------------------
