@@ -234,7 +234,12 @@ def find_part(
     where, start = guess_between(m.read, state, found, part)
     if _second_order(m, before, state, controls, where, start, part * size, row):
         return SETTLED
-    return _first_order(m, state, controls, where, start, row)
+    status = _first_order(m, state, controls, where, start, row)
+    for known in (state, found):  # Newton's method may find none from between them, and one from either
+        if status != SETTLED:
+            where, start = read_part(known, m.read.state, PARTS.where), read_part(known, m.read.state, PARTS.start)
+            status = _first_order(m, state, controls, where, start, row)
+    return status
 
 
 @kernel

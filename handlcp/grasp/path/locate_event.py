@@ -26,6 +26,7 @@ from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 _ON = 1e-9  # of a limit: this near to it is at it
 STANDS = 1e-8  # of the largest force: a contact this near to its limit stands at it
 BEGINS = 2.0**-10  # of a step: here contacts do what they do from its beginning
+_STEEP = 4.0  # times as fast as in the whole step forces may change before they jump
 _LOOKS = 24  # for a change, or for where a limit is reached: about three find either
 
 
@@ -66,7 +67,7 @@ def first_change(
         for c in range(3):
             if 0.0 < a[i, c] < stands:
                 a[i, c] = 0.0
-    whole, middle, low, high = found.copy(), np.empty(len(found)), 0.0, 1.0
+    whole, below, middle, low, high = found.copy(), state.copy(), np.empty(len(found)), 0.0, 1.0
     asks = t.leg[0].before == 0.0 and _stays_at_limit(a, b)  # it may hold before it slides
     if asks and find_part(m, g, 0.0, state, whole, share, size, BEGINS, middle) == SETTLED:
         now = _distances(m.read, state, middle)
@@ -81,7 +82,7 @@ def first_change(
         part = _crossing(low, high, a, b, falls) + 0.2 * g.close if slow < 2 else 0.5 * (low + high)
         part = min(part, high - g.close)  # where it is expected at its end, it is not just before
         if find_part(m, g, t.leg[0].before, state, whole, share, size, part, middle) != SETTLED:
-            if m.read.poses.follows or size <= FINEST * g.unit:
+            if m.read.noise > 0.0 or size <= FINEST * g.unit:
                 break
             return -part
         now = _distances(m.read, state, middle)
@@ -90,11 +91,29 @@ def first_change(
             found[:] = middle
         else:
             falls[0], low, a = (a - now) / (part - low), part, now
+            below[:] = middle
         slow = 0 if high - low <= 0.5 * wide else slow + 1
         wide = high - low if slow == 0 else wide
+    exact = m.read.noise == 0.0 and low > g.close and size > FINEST * g.unit  # on meshes contacts jump by themselves
+    if exact and _forces_jump(m.read, g.accuracy, (state, below, found, whole), high - low):
+        return -low
     if high < 1.0:
         _let_go(a, b, read_state(whole, m.read.state), read_state(found, m.read.state))
     return high
+
+
+@kernel
+def _forces_jump(m: PathReader, accuracy: float, rows: tuple[Array, Array, Array, Array], wide: float) -> bool:
+    """Whether forces jump where a contact changes, between the second and the third of states along a step, `wide` of
+    it apart: beyond it they are those of another solution of the step, in which the contact slides from the step's
+    beginning on. A shorter step ends before that, and the next one goes on as it may.
+    """
+    begin, below = read_part(rows[0], m.state, PARTS.forces), read_part(rows[1], m.state, PARTS.forces)
+    above, end = read_part(rows[2], m.state, PARTS.forces), read_part(rows[3], m.state, PARTS.forces)
+    jump, step = 0.0, 0.0
+    for k in range(len(begin)):
+        jump, step = max(jump, abs(above[k] - below[k])), max(step, abs(end[k] - begin[k]))
+    return jump > accuracy * largest_force(m, rows[2]) + _STEEP * wide * step
 
 
 @kernel
