@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from handlcp.check import Array, Ints
+from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.flow import seek_state
 from handlcp.grasp.path.path_model import (
@@ -17,14 +17,16 @@ from handlcp.grasp.path.path_model import (
     STICKS,
     PathReader,
     PathSteps,
+    along_normal,
     any_slides,
     carries,
     controls_between,
+    flat_faces,
     friction_shares,
+    friction_used,
     guess_between,
     has_plain_friction,
     largest_force,
-    margins,
     move_unloaded,
     on_same_face,
     slip_toward,
@@ -38,8 +40,9 @@ from handlcp.lcp.kernels.dense import kernel
 FINEST = 2.0**-9  # of a stage's unit: where a step as short as this has no solution, there is none
 ALONG = 2.0  # a path is not continued further than this many times its last step
 _ALONE = 2.0**-4  # of the unit: a shorter step without a solution is also tried without a prediction
+_ON_FACE = 1e-9  # of a contact's friction: on these faces of its law it is
 _AT_FRICTION = 0.02  # of a contact's friction: with no more left it may slide in the next short step
-_MOST_BRANCHES = 16  # choices of what sticks that are tried
+MOST_BRANCHES = 16  # choices of what sticks that are tried
 _GOES_ON = 0.02  # of the forces: how much a short step changes
 _FREE = 1e4  # h of a step that pushes an object which nothing holds
 _LITTLE = 1e-4  # of the contacts' distances: a slip that is expected, and not known
@@ -67,7 +70,7 @@ def find_step(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float
         if status != SETTLED:
             status = _push_ahead(m, state, controls, where, start, row)
     looks = loaded and size <= _ALONE * g.unit and (leg.ends == np.inf or m.read.poses.follows)
-    if status != SETTLED and looks and _branch(m, state, controls, row):
+    if status != SETTLED and looks and find_branch(m, state, controls, MOST_BRANCHES, row):
         status = SETTLED
     # All solvers are asked for a step that Newton's method does not solve once no shorter step has a solution; in one
     # posture not where it solves it by a motion that needs no more load, unless forces may be others there, too
@@ -155,34 +158,59 @@ def _push_ahead(m: PathSteps, state: Array, controls: Array, where: Array, start
 
 
 @steps_kernel
-def _branch(m: PathSteps, state: Array, controls: Array, row: Array) -> bool:
+def find_branch(m: PathSteps, state: Array, controls: Array, most: int, row: Array) -> bool:
     """A short step in which other contacts stick and slide than Newton's method expects: those at the limit of their
-    friction may do either. The one in which the fewest do otherwise and forces go on; whether there is one.
+    friction may do either; on flat laws, slip along any of the faces at whose limit they are. The one in which the
+    fewest do otherwise and forces go on; whether there is one among the first so many.
     """
-    old, left, f = read_state(state, m.read.state), margins(m.read, state), m.read.friction.coefficients
-    n, may, count = len(old.kinds), np.empty(len(old.kinds), np.int64), 0
-    for i in range(n):
-        limit = f[i] * old.forces[i, 2]
-        near = old.kinds[i] == STICKS and left[i, 0] <= _AT_FRICTION * limit
-        if limit > 0.0 and (old.kinds[i] == SLIDES or near):
-            may[count] = i
-            count += 1
-    size, tried = largest_force(m.read, state), 0
-    for flips in range(1, count + 1):
+    who, ways, slips = _at_limits(m.read, state)
+    old, size, tried = read_state(state, m.read.state), largest_force(m.read, state), 0
+    for flips in range(1, len(who) + 1):
         chosen = np.arange(flips)
-        while tried < _MOST_BRANCHES:
+        while tried < most:
             tried += 1
-            slides = old.kinds == SLIDES
+            now = slips.copy()
             for k in chosen:
-                slides[may[k]] = not slides[may[k]]
-            start = _expecting(m.read, state, slides)
+                now[k] = not now[k]
+            start = _expecting(m.read, state, who, ways, now)
             settled = take_step(m, state, controls, old.where, start, _quasistatic(m.read.sizes.slow), row) == SETTLED
-            now = read_part(row, m.read.state, PARTS.forces)
-            if settled and _largest_change(now, old.forces.reshape(-1)) <= _GOES_ON * size:
+            forces = read_part(row, m.read.state, PARTS.forces)
+            if settled and _largest_change(forces, old.forces.reshape(-1)) <= _GOES_ON * size:
                 return True
-            if not _next_combination(chosen, count):
+            if not _next_combination(chosen, len(who)):
                 break
     return False
+
+
+@kernel
+def _at_limits(m: PathReader, state: Array) -> tuple[Ints, Array, Bools]:
+    """((k,) contacts, (k, 3) ways in which they may slide, in the coordinates of `friction_shares`, (k,) whether they
+    do) of contacts that slide or are near the limit of their friction: of round laws one each, of flat ones one for
+    each face.
+    """
+    kinds, shares, f = read_part(state, m.state, PARTS.kinds), friction_shares(m, state), m.friction
+    forces = read_part(state, m.state, PARTS.forces)
+    room = max(len(f.flat), len(f.soft_flat), 1) * len(kinds)
+    who, ways, slips, count = np.empty(room, np.int64), np.zeros((room, 3)), np.zeros(room, np.bool_), 0
+    for i in range(len(kinds)):
+        if kinds[i] == OPEN or not f.coefficients[i] * forces[3 * i + 2] > 0.0:
+            continue
+        slides, normals = kinds[i] == SLIDES, flat_faces(f, i)
+        if f.faces == 0:
+            _, used = friction_used(f, i, shares[i])
+            if slides or used >= 1.0 - _AT_FRICTION:
+                who[count], ways[count], slips[count] = i, shares[i], slides
+                count += 1
+            continue
+        _, most = friction_used(f, i, shares[i])
+        for j in range(len(normals)):
+            used = along_normal(normals, j, shares[i])
+            if used >= (1.0 - _AT_FRICTION) * max(1.0, most):
+                who[count], slips[count] = i, slides and used >= most - _ON_FACE
+                for a in range(normals.shape[1]):
+                    ways[count, a] = normals[j, a]
+                count += 1
+    return who[:count], ways[:count], slips[:count]
 
 
 @kernel
@@ -207,20 +235,24 @@ def _largest_change(a: Array, b: Array) -> float:
 
 
 @kernel
-def _expecting(m: PathReader, state: Array, slides: Array) -> Array:
-    """The start of a step from a state in which these contacts (n,) slide, and others that press stick."""
-    old, shares, soft = read_state(state, m.state), friction_shares(m, state), m.friction.soft
+def _expecting(m: PathReader, state: Array, who: Ints, ways: Array, slips: Bools) -> Array:
+    """The start of a step from a state in which of these contacts (k,) some slip along their ways (k, 3), and others
+    that press stick.
+    """
+    old, soft = read_state(state, m.state), m.friction.soft
     n, c = len(old.kinds), len(m.friction.scale)
-    start, first = old.start.copy(), c + 9
+    start, first, little = old.start.copy(), c + 9, _LITTLE * m.sizes.length
     start[first:] = 0.0
     for i in range(n):
-        little = -_LITTLE * m.sizes.length if slides[i] else 0.0
-        start[first + 3 * i], start[first + 3 * i + 1] = little * shares[i, 0], little * shares[i, 1]
         if old.kinds[i] == OPEN:
             start[first + 3 * i + 2] = old.start[first + 3 * i + 2]
-    for k in range(len(soft)):
-        if slides[soft[k]]:
-            start[first + 3 * n + k] = -_LITTLE * m.sizes.length * shares[soft[k], 2]
+    for k in range(len(who)):
+        if slips[k]:
+            start[first + 3 * who[k]] -= little * ways[k, 0]
+            start[first + 3 * who[k] + 1] -= little * ways[k, 1]
+            for j in range(len(soft)):
+                if soft[j] == who[k]:
+                    start[first + 3 * n + j] -= little * ways[k, 2]
     return start
 
 
