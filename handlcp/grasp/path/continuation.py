@@ -19,7 +19,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.model.status import PathStatus
-from handlcp.grasp.path.find_step import ALONG, FINEST, find_branch, find_part, find_step, is_same
+from handlcp.grasp.path.find_step import ALONG, FINEST, choose_faces, find_branch, find_part, find_step, is_same
 from handlcp.grasp.path.flow import (
     CREEPS,
     GROWS,
@@ -76,7 +76,6 @@ _AFTER = 4.0  # times the step on which it snapped: the next, where another may 
 _CHAIN = 1.01  # steps between snaps that are one
 _SAFETY, _LEAST_SHARE, _MOST_SHARE = 0.8, 0.1, 3.0  # of the step that the error of the last one suggests
 _BEYOND = 2.0**-12, 2.0**-18, 2.0**-24  # of the unit: steps from just before a known end, which is none if one leads on
-_EVERY_BRANCH = 256  # choices of what sticks: all of those of eight faces
 _SHORT = 0.9  # of a step without a solution that led about to the first change: what is tried next
 _NO_PUSH = np.zeros(0)
 
@@ -148,13 +147,10 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     if share + size > g.last * (1.0 - 1e-9):
         size = g.last - share
     if not m.read.poses.follows and leg.ends - share <= 2.0 * g.exact * g.unit:
-        if leg.failed == _CLOSES:
-            leads = _leads_beyond(m, g, t, state)
-            if leads == 0.0:
-                return _continue_failed(
-                    m, g, t, state, _NO_FORCES, g.exact * g.unit
-                )  # shorter steps obey laws by rounding
-            size = leads
+        beyond = _step_beyond(m, g, t, state) if leg.failed == _CLOSES else size
+        if beyond == 0.0:  # shorter steps obey laws by rounding
+            return _continue_failed(m, g, t, state, _NO_FORCES, g.exact * g.unit)
+        size = beyond
         leg.ends, leg.failed = np.inf, 0  # shorter steps lead on, or one from here does
     found = np.empty(len(state))
     status = find_step(m, g, t, state, share, size, found)
@@ -198,11 +194,8 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     happens = _add(m.read, g, t, found, leg.share, error)
     if slides:
         leg.slides_share, leg.slides_number = leg.share, leg.number - 1
-    if (
-        carries(m.read, state)
-        and not carries(m.read, found)
-        and read_part(found, m.read.state, PARTS.controls)[8] == 0.0
-    ):
+    kept = read_part(found, m.read.state, PARTS.controls)[8] != 0.0
+    if carries(m.read, state) and not (carries(m.read, found) or kept):
         leg.status = _LOOSE
         return _ENDS
     leg.before = 0.0 if happens else size
@@ -213,25 +206,25 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
 
 
 @steps_kernel
-def _leads_beyond(m: PathSteps, g: StageArrays, t: Trace, state: Array) -> float:
-    """Whether a step from just before the end has a solution. The end is known from a step that began farther away,
-    from where Newton's method may find none among many contacts that are about to slide.
+def _step_beyond(m: PathSteps, g: StageArrays, t: Trace, state: Array) -> float:
+    """The next step from just before an end that is known, if the path leads on; else 0. The end is known from a step
+    that began farther away, from where Newton's method may find none among many contacts that are about to slide.
     """
     leg, found, expected = t.leg[0], np.empty(len(state)), state.copy()
     for part in _BEYOND:
         size = min(part * g.unit, g.last - leg.share)
-        controls = controls_between(g.begin, g.end, leg.share + size)
-        if find_step(m, g, t, state, leg.share, size, found) != SETTLED and not find_branch(
-            m, state, controls, _EVERY_BRANCH, found
-        ):
+        settled, controls = find_step(m, g, t, state, leg.share, size, found) == SETTLED, _NO_PUSH
+        if not settled and m.read.friction.faces > 0:
+            controls = controls_between(g.begin, g.end, leg.share + size)
+        if not settled and not (len(controls) and find_branch(m, state, controls, choose_faces(m.read, state), found)):
             continue
-        if not _leaps(m, g, t, state, found, leg.share, size):
-            return size
-        if leg.before > 0.0:  # the last steps were short: a fast motion that is as even goes on, however far it is
+        goes_on = not _leaps(m, g, t, state, found, leg.share, size)
+        if leg.before > 0.0 and not goes_on:  # the last steps were short: a fast motion that is as even is no leap
             where, _ = guess_between(m.read, t.rows[leg.number - 2], state, 1.0 + size / leg.before)
             read_part(expected, m.read.state, PARTS.where)[:] = where
-            if distance(m.read, expected, found) <= MIN_SNAP_DISTANCE + _BENDS * distance(m.read, state, found):
-                return size
+            goes_on = distance(m.read, expected, found) <= MIN_SNAP_DISTANCE + _BENDS * distance(m.read, state, found)
+        if goes_on:
+            return leg.step if settled else size
     return 0.0
 
 
