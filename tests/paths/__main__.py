@@ -6,6 +6,7 @@
     python -m tests.paths same --count 40 [--start 0] [--directions 2] [--ask words,steps,variants]
     python -m tests.paths freeze --cases 2000 --out frozen.json.gz
     python -m tests.paths compare [--scenes 2000]    where the package says otherwise than that file
+    python -m tests.paths walk --grasps 60           limits in one posture beside a walk that tries every choice
     python -m tests.paths accept --numbers 3000      tries the cases of seed 0 and notes which hold
 
 Exit status 1 where something was found.
@@ -21,14 +22,14 @@ from typing import Any
 
 import numpy as np
 
-from tests.paths import contradictions, corpus, freeze, monotone, same, scans
+from tests.paths import contradictions, corpus, freeze, monotone, same, scans, walk
 from tests.paths.words import ORDERS
 
 HELP = {
     "start": "number of the first case, or its index", "kernels": "limits that are asked compiled and interpreted",
     "cases": "scenes", "seconds": "longest for a scene or a question", "count": "grasps", "ask": "what is compared",
     "minutes": "of the processor, after which no other grasp is begun", "points": "of a scan",
-    "worst": "told of each property",
+    "worst": "told of each property", "within": "share that limits may differ by",
 }  # fmt: skip
 
 
@@ -54,6 +55,7 @@ def main() -> int:
     add("scans", scans.measure, count=20, points=40, seconds=20.0, ask=",".join(scans.SCANS), **cases)
     add("freeze", freeze.freeze, cases=2000, directions=2, seconds=20.0, out=freeze.FROZEN)
     add("compare", freeze.compare, scenes=2000, seconds=20.0, file=freeze.FROZEN)
+    add("walk", walk.measure, grasps=60, directions=12, within=1e-6, **cases)
     add("accept", freeze.accept, numbers=3000, out=corpus.ACCEPTED)
     asked = vars(parser.parse_args())
     os.environ.setdefault("HANDLCP_KERNELS", "compiled")

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp.contact.friction import as_section, limit_set
+from tests.paths.corpus import accepted, case_of
 
 _AT, _SIGN, _SINGULAR = 1e-8, 1e-9, 1e-12
 _MOST_FACES, _MOST_CHANGES = 14, 200
@@ -123,8 +124,7 @@ class PostureWalk:
             slip, those = np.zeros(a), np.flatnonzero(chosen)
             if len(those):
                 part = M[np.ix_(those, those)]
-                unit = np.sqrt(abs(part.diagonal()) + 1e-300)
-                if abs(np.linalg.det(part / unit / unit[:, None])) < _SINGULAR:
+                if np.linalg.cond(part) > 1.0 / _SINGULAR:
                     continue
                 slip[those] = np.linalg.solve(part, -q[those])
             x, force = alone + by_slip @ slip, np.zeros(len(self.owner))
@@ -136,3 +136,49 @@ class PostureWalk:
             if not any(np.allclose(force, other, atol=1e-6 * largest) for other, _ in found):
                 found.append((force, gap))
         return found
+
+
+def walk_of(case: Any, load: np.ndarray) -> PostureWalk:
+    """That of a case of the corpus, from its squeeze and weight on."""
+    grasp = case.grasp
+    nothing = None if grasp.spec.mechanism is None else np.zeros(6)  # bare contacts keep their own wrench
+    begin = grasp.follow(nothing, geometry="fixed", faces=case.faces).last.read
+    return PostureWalk(grasp, load, case.faces, begin.forces, begin.torsion)
+
+
+def difference(case: Any, load: np.ndarray) -> tuple[float, float, float] | None:
+    """(how far the limit of the package is off the walk's end, as a share; both); None: nothing is held without load.
+    A torque limit only has to come before the end. Raises Undetermined.
+    """
+    limit = case.grasp.load_limit(load, geometry="fixed", faces=case.faces, max_slip=np.inf)
+    if limit.factor == 0.0:
+        return None
+    end = walk_of(case, load).end()
+    short = limit.factor <= end and any(bind.kind == "torque" for bind in limit.binds)
+    off = 0.0 if short or limit.factor == end else limit.factor / end - 1.0
+    return off, limit.factor, end
+
+
+def measure(seed: int, start: int, grasps: int, directions: int, within: float) -> int:
+    """Limits in one posture beside the walk's: grasps of the corpus with six faces. How many differ by more."""
+    counts, offs = dict.fromkeys(("agree", "differ", "undetermined", "not held"), 0), list[float]()
+    for number in [n for n in accepted()[str(seed)] if case_of(seed, n).faces == 6][start : start + grasps]:
+        case = case_of(seed, number)
+        case = case if case.geometry == "fixed" else case.in_posture()
+        for k, load in enumerate(case.directions[:directions]):
+            try:
+                found = difference(case, load)
+            except Undetermined:
+                counts["undetermined"] += 1
+                continue
+            if found is None:
+                counts["not held"] += 1
+                continue
+            counts["differ" if abs(found[0]) > within else "agree"] += 1
+            if abs(found[0]) > within:
+                offs.append(abs(found[0]))
+                print(
+                    f"{case.name}, direction {k}: {found[1]:.9g}, the walk {found[2]:.9g}, {found[0]:.1e}", flush=True
+                )
+    print(counts, {f"above {x:g}": sum(off > x for off in offs) for x in (1e-4, 1e-3, 1e-2, 1e-1)})
+    return counts["differ"]

@@ -19,7 +19,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.model.status import PathStatus
-from handlcp.grasp.path.find_step import ALONG, FINEST, choose_faces, find_branch, find_part, find_step, is_same
+from handlcp.grasp.path.find_step import ALONG, FINEST, find_part, find_step, is_same
 from handlcp.grasp.path.flow import (
     CREEPS,
     GROWS,
@@ -147,10 +147,8 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     if share + size > g.last * (1.0 - 1e-9):
         size = g.last - share
     if not m.read.poses.follows and leg.ends - share <= 2.0 * g.exact * g.unit:
-        beyond = _step_beyond(m, g, t, state) if leg.failed == _CLOSES else size
-        if beyond == 0.0:  # shorter steps obey laws by rounding
-            return _continue_failed(m, g, t, state, _NO_FORCES, g.exact * g.unit)
-        size = beyond
+        if leg.failed == _CLOSES and not _leads_beyond(m, g, t, state):
+            return _continue_failed(m, g, t, state, _NO_FORCES, g.exact * g.unit)  # shorter steps obey laws by rounding
         leg.ends, leg.failed = np.inf, 0  # shorter steps lead on, or one from here does
     found = np.empty(len(state))
     status = find_step(m, g, t, state, share, size, found)
@@ -194,8 +192,11 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     happens = _add(m.read, g, t, found, leg.share, error)
     if slides:
         leg.slides_share, leg.slides_number = leg.share, leg.number - 1
-    kept = read_part(found, m.read.state, PARTS.controls)[8] != 0.0
-    if carries(m.read, state) and not (carries(m.read, found) or kept):
+    if (
+        carries(m.read, state)
+        and not carries(m.read, found)
+        and read_part(found, m.read.state, PARTS.controls)[8] == 0.0
+    ):
         leg.status = _LOOSE
         return _ENDS
     leg.before = 0.0 if happens else size
@@ -206,26 +207,23 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
 
 
 @steps_kernel
-def _step_beyond(m: PathSteps, g: StageArrays, t: Trace, state: Array) -> float:
-    """The next step from just before an end that is known, if the path leads on; else 0. The end is known from a step
-    that began farther away, from where Newton's method may find none among many contacts that are about to slide.
+def _leads_beyond(m: PathSteps, g: StageArrays, t: Trace, state: Array) -> bool:
+    """Whether a step from just before the end has a solution. The end is known from a step that began farther away,
+    from where Newton's method may find none among many contacts that are about to slide.
     """
     leg, found, expected = t.leg[0], np.empty(len(state)), state.copy()
     for part in _BEYOND:
         size = min(part * g.unit, g.last - leg.share)
-        settled, controls = find_step(m, g, t, state, leg.share, size, found) == SETTLED, _NO_PUSH
-        if not settled and m.read.friction.faces > 0:
-            controls = controls_between(g.begin, g.end, leg.share + size)
-        if not settled and not (len(controls) and find_branch(m, state, controls, choose_faces(m.read, state), found)):
+        if find_step(m, g, t, state, leg.share, size, found) != SETTLED:
             continue
-        goes_on = not _leaps(m, g, t, state, found, leg.share, size)
-        if leg.before > 0.0 and not goes_on:  # the last steps were short: a fast motion that is as even is no leap
+        if not _leaps(m, g, t, state, found, leg.share, size):
+            return True
+        if leg.before > 0.0:  # the last steps were short: a fast motion that is as even goes on, however far it is
             where, _ = guess_between(m.read, t.rows[leg.number - 2], state, 1.0 + size / leg.before)
             read_part(expected, m.read.state, PARTS.where)[:] = where
-            goes_on = distance(m.read, expected, found) <= MIN_SNAP_DISTANCE + _BENDS * distance(m.read, state, found)
-        if goes_on:
-            return leg.step if settled else size
-    return 0.0
+            if distance(m.read, expected, found) <= MIN_SNAP_DISTANCE + _BENDS * distance(m.read, state, found):
+                return True
+    return False
 
 
 @kernel

@@ -5,11 +5,9 @@ grasp.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints
+from handlcp.check import Array, Ints
 from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.flow import seek_state
 from handlcp.grasp.path.path_model import (
@@ -19,13 +17,10 @@ from handlcp.grasp.path.path_model import (
     STICKS,
     PathReader,
     PathSteps,
-    along_normal,
     any_slides,
     carries,
     controls_between,
-    flat_faces,
     friction_shares,
-    friction_used,
     guess_between,
     has_plain_friction,
     largest_force,
@@ -43,9 +38,8 @@ from handlcp.lcp.kernels.dense import kernel
 FINEST = 2.0**-9  # of a stage's unit: where a step as short as this has no solution, there is none
 ALONG = 2.0  # a path is not continued further than this many times its last step
 _ALONE = 2.0**-4  # of the unit: a shorter step without a solution is also tried without a prediction
-_ON_FACE = 1e-9  # of a contact's friction: on these faces of its law it is
 _AT_FRICTION = 0.02  # of a contact's friction: with no more left it may slide in the next short step
-_MOST_BRANCHES = 256  # choices of what sticks that are tried: all of eight
+_MOST_BRANCHES = 16  # choices of what sticks that are tried
 _GOES_ON = 0.02  # of the forces: how much a short step changes
 _FREE = 1e4  # h of a step that pushes an object which nothing holds
 _LITTLE = 1e-4  # of the contacts' distances: a slip that is expected, and not known
@@ -73,7 +67,7 @@ def find_step(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float
         if status != SETTLED:
             status = _push_ahead(m, state, controls, where, start, row)
     looks = loaded and size <= _ALONE * g.unit and (leg.ends == np.inf or m.read.poses.follows)
-    if status != SETTLED and looks and find_branch(m, state, controls, choose_contacts(m.read, state), row):
+    if status != SETTLED and looks and _branch(m, state, controls, row):
         status = SETTLED
     # All solvers are asked for a step that Newton's method does not solve once no shorter step has a solution; in one
     # posture not where it solves it by a motion that needs no more load, unless forces may be others there, too
@@ -160,70 +154,35 @@ def _push_ahead(m: PathSteps, state: Array, controls: Array, where: Array, start
     return SETTLED
 
 
-class Choices(NamedTuple):
-    """What contacts at the limit of their friction may do. who (k,) : contacts; ways (k, 3) : in which they may slide,
-    in the coordinates of `friction_shares`; slips (k,) : whether they do.
-    """
-
-    who: Ints
-    ways: Array
-    slips: Bools
-
-
 @steps_kernel
-def find_branch(m: PathSteps, state: Array, controls: Array, choices: Choices, row: Array) -> bool:
-    """A short step in which other contacts stick and slide than Newton's method expects. The one in which the fewest do
-    otherwise and forces go on; whether there is one among the first that are tried.
+def _branch(m: PathSteps, state: Array, controls: Array, row: Array) -> bool:
+    """A short step in which other contacts stick and slide than Newton's method expects: those at the limit of their
+    friction may do either. The one in which the fewest do otherwise and forces go on; whether there is one.
     """
-    old, size, tried = read_state(state, m.read.state), largest_force(m.read, state), 0
-    for flips in range(1, len(choices.who) + 1):
+    old, left, f = read_state(state, m.read.state), margins(m.read, state), m.read.friction.coefficients
+    n, may, count = len(old.kinds), np.empty(len(old.kinds), np.int64), 0
+    for i in range(n):
+        limit = f[i] * old.forces[i, 2]
+        near = old.kinds[i] == STICKS and left[i, 0] <= _AT_FRICTION * limit
+        if limit > 0.0 and (old.kinds[i] == SLIDES or near):
+            may[count] = i
+            count += 1
+    size, tried = largest_force(m.read, state), 0
+    for flips in range(1, count + 1):
         chosen = np.arange(flips)
         while tried < _MOST_BRANCHES:
             tried += 1
-            now = choices.slips.copy()
+            slides = old.kinds == SLIDES
             for k in chosen:
-                now[k] = not now[k]
-            start = _expecting(m.read, state, Choices(choices.who, choices.ways, now))
+                slides[may[k]] = not slides[may[k]]
+            start = _expecting(m.read, state, slides)
             settled = take_step(m, state, controls, old.where, start, _quasistatic(m.read.sizes.slow), row) == SETTLED
-            forces = read_part(row, m.read.state, PARTS.forces)
-            if settled and _largest_change(forces, old.forces.reshape(-1)) <= _GOES_ON * size:
+            now = read_part(row, m.read.state, PARTS.forces)
+            if settled and _largest_change(now, old.forces.reshape(-1)) <= _GOES_ON * size:
                 return True
-            if not _next_combination(chosen, len(choices.who)):
+            if not _next_combination(chosen, count):
                 break
     return False
-
-
-@kernel
-def choose_contacts(m: PathReader, state: Array) -> Choices:
-    """Of contacts that slide or are near the limit of their friction: slip against it, or none."""
-    old, left, f = read_state(state, m.state), margins(m, state), m.friction.coefficients
-    ways, slides, may = friction_shares(m, state), old.kinds == SLIDES, np.zeros(len(old.kinds), np.bool_)
-    for i in range(len(may)):
-        limit = f[i] * old.forces[i, 2]
-        near = old.kinds[i] == STICKS and left[i, 0] <= _AT_FRICTION * limit
-        may[i] = limit > 0.0 and (slides[i] or near)
-    who = np.flatnonzero(may)
-    return Choices(who, ways[who], slides[who])
-
-
-@kernel
-def choose_faces(m: PathReader, state: Array) -> Choices:
-    """Of contacts at or near the limit of flat laws: slip along each of the faces that they are at."""
-    kinds, shares, f = read_part(state, m.state, PARTS.kinds), friction_shares(m, state), m.friction
-    room, count = max(len(f.flat), len(f.soft_flat)) * len(kinds), 0
-    who, ways, slips = np.empty(room, np.int64), np.zeros((room, 3)), np.zeros(room, np.bool_)
-    for i in range(len(kinds)):
-        if kinds[i] == OPEN:
-            continue
-        normals, (_, most) = flat_faces(f, i), friction_used(f, i, shares[i])
-        for j in range(len(normals)):
-            used = along_normal(normals, j, shares[i])
-            if used >= (1.0 - _AT_FRICTION) * max(1.0, most):
-                who[count], slips[count] = i, kinds[i] == SLIDES and used >= most - _ON_FACE
-                for a in range(normals.shape[1]):
-                    ways[count, a] = normals[j, a]
-                count += 1
-    return Choices(who[:count], ways[:count], slips[:count])
 
 
 @kernel
@@ -248,23 +207,20 @@ def _largest_change(a: Array, b: Array) -> float:
 
 
 @kernel
-def _expecting(m: PathReader, state: Array, choices: Choices) -> Array:
-    """The start of a step from a state in which some contacts slip along their ways, and others that press stick."""
-    old, soft = read_state(state, m.state), m.friction.soft
+def _expecting(m: PathReader, state: Array, slides: Array) -> Array:
+    """The start of a step from a state in which these contacts (n,) slide, and others that press stick."""
+    old, shares, soft = read_state(state, m.state), friction_shares(m, state), m.friction.soft
     n, c = len(old.kinds), len(m.friction.scale)
-    start, first, little = old.start.copy(), c + 9, _LITTLE * m.sizes.length
+    start, first = old.start.copy(), c + 9
     start[first:] = 0.0
     for i in range(n):
+        little = -_LITTLE * m.sizes.length if slides[i] else 0.0
+        start[first + 3 * i], start[first + 3 * i + 1] = little * shares[i, 0], little * shares[i, 1]
         if old.kinds[i] == OPEN:
             start[first + 3 * i + 2] = old.start[first + 3 * i + 2]
-    for k in range(len(choices.who)):
-        if choices.slips[k]:
-            i = choices.who[k]
-            start[first + 3 * i] -= little * choices.ways[k, 0]
-            start[first + 3 * i + 1] -= little * choices.ways[k, 1]
-            for j in range(len(soft)):
-                if soft[j] == i:
-                    start[first + 3 * n + j] -= little * choices.ways[k, 2]
+    for k in range(len(soft)):
+        if slides[soft[k]]:
+            start[first + 3 * n + k] = -_LITTLE * m.sizes.length * shares[soft[k], 2]
     return start
 
 

@@ -277,7 +277,7 @@ def margins(m: PathReader, row: Array) -> Array:
             slip = motion[3 * i] ** 2 + motion[3 * i + 1] ** 2 + (spin[i] * m.sizes.length) ** 2
             out[i, 0] = -k * math.sqrt(slip)
         else:
-            _, used = friction_used(f, i, shares[i])
+            _, used = _friction_used(f, i, shares[i])
             out[i, 0] = f.coefficients[i] * forces[3 * i + 2] * (1.0 - used) if used < 1.0 - _AT_LIMIT else 0.0
     return out
 
@@ -293,12 +293,12 @@ def corner_margins(m: PathReader, state: Array, row: Array) -> Array:
         return out
     before, now = friction_shares(m, state), friction_shares(m, row)
     for i in range(len(out)):
-        normals, on, off = flat_faces(f, i), -np.inf, -np.inf
-        _, used = friction_used(f, i, before[i])
+        normals, on, off = _flat_faces(f, i), -np.inf, -np.inf
+        _, used = _friction_used(f, i, before[i])
         if kinds[i] == OPEN or used < 1.0 - _AT_LIMIT:
             continue
         for j in range(len(normals)):
-            along, then = along_normal(normals, j, before[i]), along_normal(normals, j, now[i])
+            along, then = _along(normals, j, before[i]), _along(normals, j, now[i])
             if along >= used - _AT_LIMIT:
                 on = max(on, then)
             else:
@@ -340,34 +340,34 @@ def on_same_face(m: PathReader, a: Array, b: Array) -> Bools:
     out = np.zeros(len(a), np.bool_)
     for i in range(len(a)):
         if f.faces > 0:
-            (at, _), (then, _) = friction_used(f, i, a[i]), friction_used(f, i, b[i])
+            (at, _), (then, _) = _friction_used(f, i, a[i]), _friction_used(f, i, b[i])
             out[i] = at == then or f.faces == 2
     return out
 
 
 @kernel
-def friction_used(f: FrictionArrays, i: int, x: Array) -> tuple[int, float]:
+def _friction_used(f: FrictionArrays, i: int, x: Array) -> tuple[int, float]:
     """(the flat face that friction is nearest to, -1 of a round set; how much of its limit it is) of a contact whose
     friction is x (3,), as `friction_shares` has it.
     """
     if f.faces == 0:
         return -1, math.sqrt(x[0] ** 2 + x[1] ** 2 + x[2] ** 2)
-    normals, best, most = flat_faces(f, i), -1, -np.inf
+    normals, best, most = _flat_faces(f, i), -1, -np.inf
     for j in range(len(normals)):
-        along = along_normal(normals, j, x)
+        along = _along(normals, j, x)
         if along > most:
             best, most = j, along
     return best, most
 
 
 @kernel
-def flat_faces(f: FrictionArrays, i: int) -> Array:
+def _flat_faces(f: FrictionArrays, i: int) -> Array:
     """(f, 2 or 3) normals of the flat faces of a contact's law."""
     return f.soft_flat if f.lever[i] > 0.0 and len(f.soft_flat) > 0 else f.flat
 
 
 @kernel
-def along_normal(normals: Array, j: int, x: Array) -> float:
+def _along(normals: Array, j: int, x: Array) -> float:
     """How far x is along a normal."""
     far = 0.0
     for a in range(normals.shape[1]):
