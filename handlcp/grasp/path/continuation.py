@@ -75,7 +75,7 @@ _BENDS = 0.5  # of a step: how far from where it was expected it may end
 _AFTER = 4.0  # times the step on which it snapped: the next, where another may follow at once
 _CHAIN = 1.01  # steps between snaps that are one
 _SAFETY, _LEAST_SHARE, _MOST_SHARE = 0.8, 0.1, 3.0  # of the step that the error of the last one suggests
-_BEYOND = 2.0**-12, 2.0**-18, 2.0**-24  # of the unit: steps from just before a known end, which is none if one leads on
+_BEYOND = 2.0**-12  # of the unit: a step from just before an end that is known, which is none if that leads on
 _SHORT = 0.9  # of a step without a solution that led about to the first change: what is tried next
 _NO_PUSH = np.zeros(0)
 
@@ -192,11 +192,8 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
     happens = _add(m.read, g, t, found, leg.share, error)
     if slides:
         leg.slides_share, leg.slides_number = leg.share, leg.number - 1
-    if (
-        carries(m.read, state)
-        and not carries(m.read, found)
-        and read_part(found, m.read.state, PARTS.controls)[8] == 0.0
-    ):
+    kept = read_part(found, m.read.state, PARTS.controls)[8] != 0.0
+    if carries(m.read, state) and not (carries(m.read, found) or kept):
         leg.status = _LOOSE
         return _ENDS
     leg.before = 0.0 if happens else size
@@ -211,19 +208,11 @@ def _leads_beyond(m: PathSteps, g: StageArrays, t: Trace, state: Array) -> bool:
     """Whether a step from just before the end has a solution. The end is known from a step that began farther away,
     from where Newton's method may find none among many contacts that are about to slide.
     """
-    leg, found, expected = t.leg[0], np.empty(len(state)), state.copy()
-    for part in _BEYOND:
-        size = min(part * g.unit, g.last - leg.share)
-        if find_step(m, g, t, state, leg.share, size, found) != SETTLED:
-            continue
-        if not _leaps(m, g, t, state, found, leg.share, size):
-            return True
-        if leg.before > 0.0:  # the last steps were short: a fast motion that is as even goes on, however far it is
-            where, _ = guess_between(m.read, t.rows[leg.number - 2], state, 1.0 + size / leg.before)
-            read_part(expected, m.read.state, PARTS.where)[:] = where
-            if distance(m.read, expected, found) <= MIN_SNAP_DISTANCE + _BENDS * distance(m.read, state, found):
-                return True
-    return False
+    share, found = t.leg[0].share, np.empty(len(state))
+    size = min(_BEYOND * g.unit, g.last - share)
+    if find_step(m, g, t, state, share, size, found) != SETTLED:
+        return False
+    return not _leaps(m, g, t, state, found, share, size)
 
 
 @kernel
