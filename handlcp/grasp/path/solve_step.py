@@ -159,7 +159,7 @@ class StateArrays(NamedTuple):
     yielded: Array
 
 
-PARTS: Any = StateArrays(*range(len(StateArrays._fields)))  # type: ignore[arg-type]  # the number of each part of a row
+PARTS: Any = StateArrays(*range(len(StateArrays._fields)))  # the number of each part of a row
 
 
 @kernel

@@ -12,15 +12,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
+import numba
 from numba.core import cgutils
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
-from numba.core.types import Array, BaseTuple
 from numba.extending import intrinsic, overload
 from numba.np import arrayobj
 
 from handlcp.lcp.compiler.kernel import borrowed
+
+t: Any = numba.types
 
 _LARGE_KERNEL_INSTRUCTIONS = 150  # instructions of LLVM, optimised: of these a call costs little
 
@@ -80,7 +82,7 @@ def keep_apart(found: Any, kernel: str, types: Any) -> None:
 # Arrays that a kernel borrows of its caller, who keeps them: code that counts owners of an array finds none to count.
 
 
-@intrinsic
+@intrinsic  # type: ignore[untyped-decorator]
 def _without_owner(_context: Any, arrays: Any) -> Any:
     """A value of the same type, whose arrays have no owner."""
 
@@ -91,11 +93,11 @@ def _without_owner(_context: Any, arrays: Any) -> Any:
 
 
 def _disown(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-    if isinstance(kind, Array):
+    if isinstance(kind, t.Array):
         made = context.make_array(kind)(context, builder, value)
         made.meminfo = cgutils.get_null_value(made.meminfo.type)
         return made._getvalue()
-    if isinstance(kind, BaseTuple):
+    if isinstance(kind, t.BaseTuple):
         for k, part in enumerate(kind.types):
             own = builder.extract_value(value, k)
             value = builder.insert_value(value, _disown(context, builder, part, own), k)
