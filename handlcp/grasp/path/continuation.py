@@ -62,7 +62,7 @@ from handlcp.grasp.path.path_model import (
 )
 from handlcp.grasp.path.solve_step import PARTS, SETTLED, read_part
 from handlcp.grasp.path.trace import StageArrays, Trace
-from handlcp.lcp.compiler.kernel import borrowed
+from handlcp.lcp.compiler.borrow import borrowed
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import MIN_SNAP_DISTANCE, SNAP_RATIO
 

@@ -34,7 +34,7 @@ from handlcp.grasp.path.newton.linear_solve import Rules
 from handlcp.grasp.path.newton.numbers import Damping, Loads, Situation
 from handlcp.grasp.path.newton.row_layout import RowLayout
 from handlcp.lcp import Auto
-from handlcp.lcp.compiler.kernel import borrowed
+from handlcp.lcp.compiler.borrow import borrowed
 from handlcp.lcp.kernels.dense import kernel
 
 MAX_ITERATES = 9  # of one step, after which it counts as one that does not settle

@@ -7,14 +7,12 @@ from collections.abc import Callable
 from functools import cached_property, update_wrapper
 from time import perf_counter
 from types import CodeType, ModuleType
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from handlcp.lcp.compiler import background_compile, compile_policy
 from handlcp.lcp.compiler.folders import is_kept
-
-T = TypeVar("T")
 
 
 class _ThreadState(threading.local):
@@ -154,10 +152,3 @@ def _as_python_numbers(value: Any) -> Any:
         parts = [_as_python_numbers(v) for v in value]
         return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
     return value
-
-
-def borrowed(arrays: T) -> T:
-    """An argument of a kernel, array or tuple of such, as read by that kernel alone. Compiled code counts who uses an
-    array, each time that one is passed on or viewed, and does not count these. Nothing of them may be returned.
-    """
-    return arrays  # compiled: `link`

@@ -20,7 +20,7 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import intrinsic, overload
 from numba.np import arrayobj
 
-from handlcp.lcp.compiler.kernel import borrowed
+from handlcp.lcp.compiler.borrow import borrowed
 
 t: Any = numba.types
 
