@@ -33,9 +33,13 @@ class _Face(NamedTuple):
 
 
 class PostureWalk:
-    """A grasp in one posture, and a load (6,) that grows. starts (n, 3), torsion (n,) : forces without it [N, N·m]."""
+    """A grasp in one posture, and a load (6,) that grows. Without it: forces (n, 3) [N], torsion (n,) [N·m], gaps (n,)
+    of contacts that are open [m].
+    """
 
-    def __init__(self, grasp: Any, load: np.ndarray, faces: int, starts: np.ndarray, torsion: np.ndarray) -> None:
+    def __init__(
+        self, grasp: Any, load: np.ndarray, faces: int, forces: np.ndarray, torsion: np.ndarray, gaps: np.ndarray
+    ) -> None:
         scene = grasp.scene
         self.n, soft, scale = scene.n, list(scene.soft), scene.scale
         rows = np.zeros(3 * self.n + len(soft))
@@ -48,8 +52,8 @@ class PostureWalk:
         for k, i in enumerate(soft):
             self.G[3:, 3 * self.n + k] = grasp.spec.frames[i][:, 2] * scale[3 * self.n + k]
         self.E, self.load = scene.flexibility, load
-        self.f = np.append(starts.reshape(-1), torsion[soft]) / (1.0 if scale is None else scale)
-        self.gaps = {i: 0.0 for i in range(self.n) if not self.f[3 * i + 2] > 0.0}
+        self.f = np.append(forces.reshape(-1), torsion[soft]) / (1.0 if scale is None else scale)
+        self.gaps = {i: float(gaps[i]) for i in range(self.n) if not self.f[3 * i + 2] > 0.0}
         self.factor, self.faces = 0.0, list[_Face]()
         for i in range(self.n):
             tangents = [3 * i, 3 * i + 1, *[3 * self.n + k for k, j in enumerate(soft) if j == i]]
@@ -143,13 +147,14 @@ def walk_of(case: Any, load: np.ndarray) -> PostureWalk:
     grasp = case.grasp
     nothing = None if grasp.spec.mechanism is None else np.zeros(6)  # bare contacts keep their own wrench
     begin = grasp.follow(nothing, geometry="fixed", faces=case.faces).last.read
-    return PostureWalk(grasp, load, case.faces, begin.forces, begin.torsion)
+    return PostureWalk(grasp, load, case.faces, begin.forces, begin.torsion, begin.motion[:, 2])
 
 
 def difference(case: Any, load: np.ndarray) -> tuple[float, float, float] | None:
-    """(how far the limit of the package is off the walk's end, as a share; both); None: nothing is held without load.
-    A torque limit only has to come before the end. Raises Undetermined.
+    """(how far the limit of the package in one posture is off the walk's end, as a share; both); None: nothing is held
+    without load. A torque limit only has to come before the end. Raises Undetermined.
     """
+    case = case if case.geometry == "fixed" else case.in_posture()
     limit = case.grasp.load_limit(load, geometry="fixed", faces=case.faces, max_slip=np.inf)
     if limit.factor == 0.0:
         return None
@@ -164,7 +169,6 @@ def measure(seed: int, start: int, grasps: int, directions: int, within: float) 
     counts, offs = dict.fromkeys(("agree", "differ", "undetermined", "not held"), 0), list[float]()
     for number in [n for n in accepted()[str(seed)] if case_of(seed, n).faces == 6][start : start + grasps]:
         case = case_of(seed, number)
-        case = case if case.geometry == "fixed" else case.in_posture()
         for k, load in enumerate(case.directions[:directions]):
             try:
                 found = difference(case, load)

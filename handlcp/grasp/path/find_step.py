@@ -178,7 +178,7 @@ def _branch(m: PathSteps, state: Array, controls: Array, row: Array) -> bool:
             start = _expecting(m.read, state, slides)
             settled = take_step(m, state, controls, old.where, start, _quasistatic(m.read.sizes.slow), row) == SETTLED
             now = read_part(row, m.read.state, PARTS.forces)
-            if settled and _largest_change(now, old.forces.reshape(-1)) <= _GOES_ON * size:
+            if settled and largest_change(now, old.forces.reshape(-1)) <= _GOES_ON * size:
                 return True
             if not _next_combination(chosen, count):
                 break
@@ -199,7 +199,8 @@ def _next_combination(chosen: Ints, count: int) -> bool:
 
 
 @kernel
-def _largest_change(a: Array, b: Array) -> float:
+def largest_change(a: Array, b: Array) -> float:
+    """The largest difference between numbers (k,) of two rows."""
     largest = 0.0
     for i in range(len(a)):
         largest = max(largest, abs(a[i] - b[i]))

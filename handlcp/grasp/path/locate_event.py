@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.path.find_step import FINEST, find_part
+from handlcp.grasp.path.find_step import FINEST, find_part, largest_change
 from handlcp.grasp.path.path_model import (
     OPEN,
     SLIDES,
@@ -110,10 +110,8 @@ def _forces_jump(m: PathReader, accuracy: float, rows: tuple[Array, Array, Array
     """
     begin, below = read_part(rows[0], m.state, PARTS.forces), read_part(rows[1], m.state, PARTS.forces)
     above, end = read_part(rows[2], m.state, PARTS.forces), read_part(rows[3], m.state, PARTS.forces)
-    jump, step = 0.0, 0.0
-    for k in range(len(begin)):
-        jump, step = max(jump, abs(above[k] - below[k])), max(step, abs(end[k] - begin[k]))
-    return jump > accuracy * largest_force(m, rows[2]) + _STEEP * wide * step
+    allowed = accuracy * largest_force(m, rows[2]) + _STEEP * wide * largest_change(end, begin)
+    return largest_change(above, below) > allowed
 
 
 @kernel
