@@ -26,6 +26,7 @@ from handlcp.simulator.simulation_run import MAX_WAIT, PUSH_STAGE, SimulationRea
 
 _JUMP_DISTANCE = 1e-3  # [m] that an object moves while the load waits: it has jumped
 _JUMP_ANGLE = np.radians(2.0)  # [rad] that it turns
+_HOP_SHARE = 0.02  # of both: smaller motions while the load waits are not noted
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +62,12 @@ class LimitTracker:
     """Records how an object moves while its load grows.
 
     start (6,) : motion of the object when the load begins to grow [m, rad]. jump : the first factor at which the object
-    has jumped; inf so far.
+    has jumped; inf so far. hops : as in `SimulatedLimit`.
     """
 
     def __init__(self, start: Array) -> None:
         self.jump = np.inf
+        self.hops: list[tuple[float, float, float]] = []
         self._start = self._calm = start
         self._factors: list[float] = []
         self._motion: list[Array] = []
@@ -81,11 +83,16 @@ class LimitTracker:
 
     def record_motion(self, factor: float, motion: Array) -> None:
         """The object moves fast under this factor; motion (6,)."""
-        if np.isfinite(self.jump):
-            return
         way = relative_motion(self._calm, motion)
-        if np.linalg.norm(way[:3]) > _JUMP_DISTANCE or np.linalg.norm(way[3:]) > _JUMP_ANGLE:
+        shift, turn = float(np.linalg.norm(way[:3])), float(np.linalg.norm(way[3:]))
+        size = max(shift / _JUMP_DISTANCE, turn / _JUMP_ANGLE)
+        if size > 1.0 and np.isinf(self.jump):
             self.jump = factor
+        if self.hops and self.hops[-1][0] == factor:
+            shift, turn = max(shift, self.hops[-1][1]), max(turn, self.hops[-1][2])
+            self.hops[-1] = factor, shift, turn
+        elif size > _HOP_SHARE:
+            self.hops.append((factor, shift, turn))
 
     def make_track(self) -> LimitTrack:
         """How the object has moved so far, as arrays."""
@@ -125,6 +132,8 @@ class SimulatedLimit(Record):
         none does.
     jump : the factor at which the object first moves by more than 1 mm, or turns by more than 2°, while the load waits;
         inf where it never does. It may have come to rest again.
+    hops (k, 3) : each factor at which the object moves while the load waits, how far it does [m], and how far it turns
+        [rad]; jumps are the large ones of them.
     track : how the object has moved meanwhile.
     squeezed (n, 3) : forces on the object [N] with all of the squeeze and without weight and load, world axes.
     seconds : [s] of MuJoCo's steps.
@@ -138,6 +147,7 @@ class SimulatedLimit(Record):
         "first",
         "first_at",
         "jump",
+        "hops (k, 3)",
         "track",
         "squeezed_N (n, 3)",
         "seconds",
@@ -151,6 +161,7 @@ class SimulatedLimit(Record):
     seconds: float
     first_at: float
     jump: float
+    hops: Array
     track: LimitTrack
     squeezed: Array
 
@@ -192,8 +203,8 @@ def simulate_limit(
 
     def result(factor: float, joint: str = "", slides: _Names = (), gone: _Names = ()) -> SimulatedLimit:
         """What has been found by now."""
-        jump, track = tracking.jump, tracking.make_track()
-        return SimulatedLimit(factor, joint, slides, gone, first, run.seconds, first_at, jump, track, squeezed)
+        jump, track, hops = tracking.jump, tracking.make_track(), read_only(np.array(tracking.hops).reshape(-1, 3))
+        return SimulatedLimit(factor, joint, slides, gone, first, run.seconds, first_at, jump, hops, track, squeezed)
 
     if not held:
         return result(0.0)

@@ -32,6 +32,8 @@ def test_motion_while_the_load_grows_is_no_jump_and_motion_while_it_waits_is_one
     tracking.record_rest(2.0, along_x(25e-3), FORCES + 25.0)
     tracking.record_motion(3.0, along_x(30e-3))
     assert tracking.jump == 2.0
+    assert [hop[0] for hop in tracking.hops] == [2.0, 3.0]
+    assert np.array(tracking.hops)[:, 1] == pytest.approx([1.1e-3, 5e-3])
     track = tracking.make_track()
     assert track.motion_at(0.55)[0] == pytest.approx(5.5e-3)
     assert track.motion_at(2.0)[0] == pytest.approx(25e-3)
