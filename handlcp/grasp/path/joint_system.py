@@ -20,8 +20,8 @@ the least tensions that make its torques.
 
 With the mode of each joint, post and tendon known (sticks or slips, taut or slack), a step is one of joints with
 springs alone: what sticks is rigid, what slips is commanded by K⁻¹ Dᵀ f less, and a slack tendon is a spring less. The
-modes are found by trial, in kernels that a caller composes with its own solve (`Joints.solved` does it in Python,
-`move_free_joints` compiled, of joints that meet nothing):
+modes are found by trial, in kernels that a caller composes with its own solve (`solve_in_modes` of contacts,
+`move_free_joints` of joints that meet nothing):
 
     trial = begin_trial(system, modes, post friction)
     springs = joint_springs(system, trial)                  joints with springs alone, in these modes
@@ -115,6 +115,20 @@ class JointStep(NamedTuple):
     target: Array
     drawn: Array
     driven: bool
+
+
+class JointTask(NamedTuple):
+    """What solves of an iterate ask of the joints. acts : whether they do more than give way; else all else is unused.
+    modes (nv + m + t,), post_friction (m,) : assumed first, as in `JointTrial`. at (nv,) : where joints stand at the
+    iterate.
+    """
+
+    acts: bool
+    system: JointSystem
+    step: JointStep
+    modes: Ints
+    post_friction: Array
+    at: Array
 
 
 class JointTrial(NamedTuple):

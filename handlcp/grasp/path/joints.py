@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
 from handlcp.check import Array, Ints, read_only
@@ -14,23 +11,25 @@ from handlcp.grasp.path.joint_system import (
     MAX_MODE_TRIALS,
     JointStep,
     JointSystem,
+    JointTask,
     JointTrial,
-    assume_anew,
     begin_trial,
     commanded_draw,
-    joint_command,
     joint_springs,
     move_free_joints,
     read_joint_state,
     spring_target,
     system_in_posture,
-    tensioned_stiffness,
 )
 from handlcp.grasp.path.pull import NO_PULL, Pull, Task
 
-# From the factor of the joints' compliance, how far they are driven (nv,), and what tendons pull more as arms change
-# (nv, nv), to an answer, where joints come to (nv,), and the torques that contacts take (nv,); None: no answer
-Solve = Callable[[Array, Array, Array], tuple[Any, Array, Array] | None]
+_NONE, _NO_MATRIX, _NO_NUMBERS = np.zeros(0), np.zeros((0, 0)), np.zeros(0, dtype=np.int64)
+_NO_FLAGS = np.zeros(0, dtype=bool)
+NO_JOINTS = JointSystem(
+    _NO_MATRIX, _NO_MATRIX, _NO_MATRIX, _NO_FLAGS, _NO_MATRIX, _NONE, _NO_FLAGS, _NO_NUMBERS, _NONE, _NONE, _NO_MATRIX,
+    _NONE, _NO_MATRIX, _NONE, _NO_FLAGS, _NO_MATRIX, _NONE, _NO_MATRIX, np.zeros((0, 0, 0)),
+)  # fmt: skip
+NO_TASK = JointTask(False, NO_JOINTS, JointStep(_NONE, _NONE, _NONE, _NONE, False), _NO_NUMBERS, _NONE, _NONE)
 
 
 class Joints:
@@ -83,29 +82,23 @@ class Joints:
         return self._drawn_lately[1]
 
     @property
+    def counts(self) -> tuple[int, int]:
+        """Numbers of posts and tendons."""
+        return len(self.system.wrap_friction), len(self.system.springs)
+
+    @property
     def still(self) -> Pull:
         """Everything sticks, and all tendons are taut."""
         s = self.system
         modes = np.zeros(len(s.friction_rows) + len(s.springs), dtype=np.int64)
         return NO_PULL._replace(modes=modes, post_friction=np.zeros(len(s.wrap_friction)))
 
-    def solved(self, begun: Pull, task: Task, at: Array, solve: Solve) -> tuple[Any, Pull] | None:
-        """The answer in which joints, posts and tendons are in the modes that were assumed, at first those of `begun`,
-        and what they do. at (nv,) : where joints stand at the iterate. None where modes have no answer, or none are
-        right.
+    def task(self, begun: Pull, task: Task, at: Array) -> JointTask:
+        """What solves of an iterate, in which joints stand at (nv,), ask of the joints there. begun : modes that are
+        assumed first.
         """
-        s, step = self.system, self._step(task)
-        trial = begin_trial(s, begun.modes, begun.post_friction)
-        for _ in range(MAX_MODE_TRIALS):
-            springs, H = joint_springs(s, trial), tensioned_stiffness(s, step, trial, at)
-            found = solve(springs.compliance_factor, joint_command(s, springs, step, trial, at), H)
-            if found is None:
-                return None
-            answer, q, torque = found
-            read_joint_state(s, springs, step, trial, q, torque - H @ (q - at) if len(H) else torque)
-            if assume_anew(s, step, trial, q):
-                return answer, _pull_of(trial)
-        return None
+        here = self.at(at)
+        return JointTask(True, here.system, here._step(task), begun.modes, begun.post_friction, at)
 
     def ends(self, begun: Pull, task: Task) -> tuple[Array, Pull]:
         """Where joints come to that meet nothing, and what they do."""

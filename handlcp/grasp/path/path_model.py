@@ -2,7 +2,7 @@
 they slid, the error of a step, what is over a limit.
 
 A path is written once. Where all of a grasp is known in closed form it is one compiled call; where its user brings
-something in Python (a geometry, an effect with limits), or joints have friction or tendons, the same functions run as
+something in Python (a geometry, an effect with limits), or tendons run along routes, the same functions run as
 Python, and what brings it (`PathModel.own`) takes the place of the functions that it has.
 """
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, PathStatus
+from handlcp.grasp.path.joint_system import begin_trial, joint_springs, move_free_joints, read_joint_state
 from handlcp.grasp.path.linearise import (
     Placed,
     Poses,
@@ -32,13 +33,17 @@ from handlcp.grasp.path.solve_step import (
     PARTS,
     SETTLED,
     Sizes,
+    StateArrays,
+    StepModel,
     StepOptions,
     is_loaded,
+    joint_step,
     pose_distance,
     preload_offsets,
     read_part,
     read_state,
     solve_step,
+    write_joints,
 )
 from handlcp.lcp.compiler.kernel import Kernel
 from handlcp.lcp.kernels.dense import kernel
@@ -171,6 +176,8 @@ def move_unloaded(m: PathSteps, before: Array, controls: Array, row: Array) -> i
     row[:] = 0.0
     was, stood, at = read_place(poses, old.where), read_place(poses, old.at), read_place(poses, end.where)
     at.q[:], at.pose[:] = s.posture + controls[9:], was.pose
+    if s.rubs:
+        _move_joints(s, old, was.q, controls, at.q, end)
     contacts = new_contacts(s.geometry)
     contacts.frames[:] = old.frames
     linearise(s.geometry, end.where, contacts)
@@ -189,6 +196,22 @@ def move_unloaded(m: PathSteps, before: Array, controls: Array, row: Array) -> i
     end.spin[:] = slipped[:, 2]
     end.torque[:] = contacts.elastic.gravity
     return SETTLED
+
+
+@kernel
+def _move_joints(s: StepModel, old: StateArrays, begun: Array, controls: Array, q: Array, end: StateArrays) -> None:
+    """Write where joints that rub come to (nv,), commanded to q and from begun (nv,), and what they do there."""
+    j = s.joints
+    step = joint_step(begun, q.copy(), old, controls)
+    trial = begin_trial(j, old.modes.astype(np.int64), old.post_friction)
+    free, settled = move_free_joints(j, step, trial, begun)
+    if settled:
+        q[:] = free
+    else:
+        trial = begin_trial(j, np.zeros(len(old.modes), np.int64), np.zeros(len(old.post_friction)))
+        read_joint_state(j, joint_springs(j, trial), step, trial, q, np.zeros(len(q)))
+    found = trial.modes.astype(np.float64), trial.post_friction, trial.friction, trial.drawn, trial.tension, trial.taut
+    write_joints(j, found, end)
 
 
 # ----------------------------------------------------------------

@@ -14,6 +14,18 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.model.status import SEPARATED, SLIDING, ContactStatus, PathStatus
+from handlcp.grasp.path.joint_system import (
+    MAX_MODE_TRIALS,
+    JointStep,
+    JointSystem,
+    JointTask,
+    assume_anew,
+    begin_trial,
+    joint_command,
+    joint_springs,
+    read_joint_state,
+    tensioned_stiffness,
+)
 from handlcp.grasp.path.linearise import (
     GeometryArrays,
     Placed,
@@ -31,11 +43,11 @@ from handlcp.grasp.path.newton.answer import AnswerArrays, read_answer
 from handlcp.grasp.path.newton.by_contact import iteration_by_contact
 from handlcp.grasp.path.newton.iteration import one_iteration
 from handlcp.grasp.path.newton.linear_solve import Rules
-from handlcp.grasp.path.newton.numbers import Damping, Loads, Situation
+from handlcp.grasp.path.newton.numbers import Damping, Elastic, Loads, Situation
 from handlcp.grasp.path.newton.row_layout import RowLayout
 from handlcp.lcp import Auto
 from handlcp.lcp.compiler.borrow import borrowed
-from handlcp.lcp.kernels.dense import kernel
+from handlcp.lcp.kernels.dense import add_product, add_transposed, kernel
 
 MAX_ITERATES = 9  # of one step, after which it counts as one that does not settle
 KEPT = 1e6  # 1 / h of the object alone, where something keeps it in place: it gives way by a millionth of the fingers
@@ -81,8 +93,8 @@ class Sizes(NamedTuple):
 
 class StepModel(NamedTuple):
     """All that the steps of a grasp have in common. posture (nv,) : from which commands are counted; weight (3,) [N];
-    damper (6,) : D, of a step with h = 1. by_contact : whether contacts are eliminated one by one. state, answer :
-    where the parts of their rows begin.
+    damper (6,) : D, of a step with h = 1. by_contact : whether contacts are eliminated one by one. rubs : whether
+    joints do more than give way, as `joints` says. state, answer : where the parts of their rows begin.
     """
 
     geometry: GeometryArrays
@@ -93,6 +105,8 @@ class StepModel(NamedTuple):
     damper: Array
     sizes: Sizes
     by_contact: bool
+    rubs: bool
+    joints: JointSystem
     state: Ints
     answer: Ints
 
@@ -112,16 +126,19 @@ class StepOptions(NamedTuple):
 
 class StateRow(RowLayout):
     """Where the numbers of a state stand in their row. n contacts, nv joints, c force components, dof : of the object;
-    pose : numbers of its pose; t tendons.
+    pose : numbers of its pose; m posts and t tendons of joints that do more than give way, or none of this.
     """
 
-    def __init__(self, n: int, nv: int, c: int, dof: int, pose: int, t: int) -> None:
+    def __init__(self, n: int, nv: int, c: int, dof: int, pose: int, joints: tuple[int, int] | None) -> None:
+        m, t = joints or (0, 0)
+        modes = 0 if joints is None else nv + m + t
         shapes: dict[str, tuple[int, ...]] = {
             "where": (nv + 4 * n + pose,), "at": (nv + 4 * n + pose,), "positions": (n, 3), "frames": (n, 3, 3),
             "axes": (n, 3, 3), "places": (n, 3), "slips": (n, 3), "base": (n, 3), "since": (n,),
             "slip_memory": (n, 3), "forces": (n, 3), "motion": (n, 3), "torsion": (n,), "spin": (n,), "torque": (nv,),
             "deflection": (nv,), "kinds": (n,), "start": (2 * c + 9,), "met": (dof, dof), "controls": (9 + nv,),
-            "tally": (4,), "tension": (t,), "slack": (t,), "yielded": (nv,),
+            "tally": (4,), "tension": (t,), "slack": (t,), "yielded": (nv,), "modes": (modes,),
+            "post_friction": (m,), "drawn": (t,), "taut": (t,), "rubs": (nv,),
         }  # fmt: skip
         super().__init__(shapes)
 
@@ -130,7 +147,8 @@ class StateArrays(NamedTuple):
     """A state: views into its row, in this order. where : its configuration; at : that of the contacts as the step was
     solved with them, of which positions to slips tell where they were (`Placed`). base (n, 3), since (n,) : of `Loads`.
     tally (4,) : of iterates; 1 where `met` was measured; 1 where there is a start; the number that Python knows the
-    state by. tension, slack (t,) : of tendons; yielded (nv,) : as in `State`, and so is all else.
+    state by. tension, slack (t,) : of tendons; modes to taut : as in `Pull`; yielded, rubs (nv,) : as in `State`, and so
+    is all else.
     """
 
     where: Array
@@ -157,6 +175,11 @@ class StateArrays(NamedTuple):
     tension: Array
     slack: Array
     yielded: Array
+    modes: Array
+    post_friction: Array
+    drawn: Array
+    taut: Array
+    rubs: Array
 
 
 PARTS: Any = StateArrays(*range(len(StateArrays._fields)))  # the number of each part of a row
@@ -200,6 +223,11 @@ def read_state(row: Array, s: Ints) -> StateArrays:
         row[s[21] : s[22]],
         row[s[22] : s[23]],
         row[s[23] : s[24]],
+        row[s[24] : s[25]],
+        row[s[25] : s[26]],
+        row[s[26] : s[27]],
+        row[s[27] : s[28]],
+        row[s[28] : s[29]],
     )
 
 
@@ -228,6 +256,8 @@ def solve_step(
     where, answer = guess.copy(), np.empty(m.answer[-1])
     swing, last = np.zeros(8), np.inf
     found = read_answer(answer, m.answer)
+    modes, post_friction = old.modes.astype(np.int64), old.post_friction.copy()
+    asked_of_joints = joint_step(was.q, commanded, old, controls)
     if poses.follows:
         contacts.frames[:] = old.frames
     for count in range(1, MAX_ITERATES + 1):
@@ -251,8 +281,12 @@ def solve_step(
             contacts.touch, contacts.frames, contacts.moving, contacts.elastic, loads, slipped, radius, damping
         )
         measured = near if poses.follows else -1.0
-        if not answer_iterate(situation, m.rules, m.by_contact, start, loaded, kinds, measured, m.answer, answer):
+        task = JointTask(m.rubs, m.joints, asked_of_joints, modes, post_friction, at.q)
+        if not answer_iterate(
+            situation, m.rules, m.by_contact, task, start, loaded, kinds, measured, m.answer, answer
+        ):  # fmt: skip
             return _NO_FORCES
+        modes, post_friction = found.modes.astype(np.int64), found.post_friction.copy()
         to = read_place(poses, end.where)
         to.q[:], to.give[:], to.turn[:] = at.q + found.change, found.give, found.turn
         move_pose(poses, at.pose, found.twist, found.centre, to.pose)
@@ -273,6 +307,9 @@ def solve_step(
             end.yielded[:] = 0.0
             ahead = (free or controls[8] != 0.0) and is_pushed_ahead(sizes, found.forces)
             _write_response(found, asked.past, ahead, end)
+            if m.rubs:
+                pull = found.modes, found.post_friction, found.friction, found.drawn, found.tension, found.taut
+                write_joints(m.joints, pull, end)
             return SETTLED
         if judged != GOES_ON:
             return judged
@@ -297,6 +334,28 @@ def _write_response(found: AnswerArrays, past: Array, ahead: bool, end: StateArr
             end.motion[i, 0] += past[i, 0]
             end.motion[i, 1] += past[i, 1]
             end.spin[i] += past[i, 2]
+
+
+@kernel
+def joint_step(begun: Array, commanded: Array, old: StateArrays, controls: Array) -> JointStep:
+    """What a step asks of joints whose tendons keep their arms, from a state in which they stand at begun (nv,)."""
+    driven = False
+    for j in range(len(commanded)):
+        driven = driven or controls[9 + j] != old.controls[9 + j]
+    drawn = np.zeros(len(old.drawn)) if driven else old.drawn.copy()
+    return JointStep(begun, commanded, commanded, drawn, driven)
+
+
+@kernel
+def write_joints(s: JointSystem, found: tuple[Array, ...], end: StateArrays) -> None:
+    """Write what joints do at a step's end. found : modes, friction of posts that slip, friction, and of tendons drawn,
+    tension and taut, as in `JointTrial`.
+    """
+    end.modes[:], end.post_friction[:], friction = found[0], found[1], found[2]
+    end.drawn[:], end.tension[:], end.taut[:], end.rubs[:] = found[3], found[4], found[5], 0.0
+    for i in range(len(end.slack)):
+        end.slack[i] = 1.0 if end.tension[i] > end.taut[i] else 0.0
+    add_transposed(s.friction_rows, friction, 1.0, end.rubs)
 
 
 @kernel
@@ -442,6 +501,7 @@ def answer_iterate(
     s: Situation,
     rules: Rules,
     by_contact: bool,
+    joints: JointTask,
     start: Array,
     loaded: bool,
     kinds: Ints,
@@ -456,12 +516,12 @@ def answer_iterate(
     loaded : whether anything was carried before; kinds (n,) : contact states then. near : as in `one_iteration`. parts,
     row : of `Answer`.
     """
-    s, rules, begun = borrowed(s), borrowed(rules), start if loaded else start[:0]
-    found = solve_once(s, rules, by_contact, begun, True, near, row)
+    s, rules, joints, begun = borrowed(s), borrowed(rules), borrowed(joints), start if loaded else start[:0]
+    found = solve_in_modes(s, rules, by_contact, joints, begun, True, near, parts, row)
     answer = read_answer(row, parts)
     if not loaded and not (found and answer.kinds.any()):
         pressed = np.empty(len(row))
-        if _solve_pressed(s, rules, by_contact, parts, pressed):
+        if _solve_pressed(s, rules, by_contact, joints, parts, pressed):
             row[:] = pressed
             return True
         return found
@@ -471,13 +531,57 @@ def answer_iterate(
     if found and _largest_difference(answer.start, start, c) <= CLOSE * _largest_difference(start, start[:0], c):
         return True
     other = np.empty(len(row))
-    if not solve_once(s, rules, by_contact, begun, False, near, other):
+    if not solve_in_modes(s, rules, by_contact, joints, begun, False, near, parts, other):
         return found
     second = read_answer(other, parts)
     nearer = _largest_difference(second.start, start, c) < _largest_difference(answer.start, start, c)
     if not found or _same_kinds(second.kinds, kinds) or nearer:
         row[:] = other
     return True
+
+
+@kernel
+def solve_in_modes(
+    s: Situation,
+    rules: Rules,
+    by_contact: bool,
+    joints: JointTask,
+    start: Array,
+    begun: bool,
+    near: float,
+    parts: Ints,
+    row: Array,
+) -> bool:
+    """Write the answer in which joints, posts and tendons are in the modes that were assumed, and what these do; where
+    joints do nothing but give way, that of one solve. False where modes have no answer, or none are right.
+    """
+    if not joints.acts:
+        return solve_once(s, rules, by_contact, start, begun, near, row)
+    system, step, at, el, loads, nv = joints.system, joints.step, joints.at, s.elastic, s.loads, len(joints.at)
+    trial, found = begin_trial(system, joints.modes, joints.post_friction), read_answer(row, parts)
+    q, torque, held = np.empty(nv), np.empty(nv), 1.0 - rules.laws.sags
+    for _ in range(MAX_MODE_TRIALS):
+        springs, H = joint_springs(system, trial), tensioned_stiffness(system, step, trial, at)
+        elastic = Elastic(el.P, el.J, el.turning, springs.compliance_factor, el.gravity, H)
+        command = joint_command(system, springs, step, trial, at)
+        driven = Loads(
+            loads.base, loads.spin, loads.give, loads.turn, command, loads.load, loads.reference, loads.weight,
+            loads.mass_at,
+        )  # fmt: skip
+        now = Situation(s.touch, s.frames, s.moving, elastic, driven, s.slipped, s.radius, s.damping)
+        if not solve_once(now, rules, by_contact, start, begun, near, row):
+            return False
+        for j in range(nv):
+            q[j] = at[j] + found.change[j]
+            torque[j] = found.torque[j] - held * el.gravity[j]
+        if len(H) > 0:
+            add_product(H, found.change, -1.0, torque)
+        read_joint_state(system, springs, step, trial, q, torque)
+        if assume_anew(system, step, trial, q):
+            found.modes[:], found.post_friction[:], found.friction[:] = trial.modes, trial.post_friction, trial.friction
+            found.drawn[:], found.tension[:], found.taut[:] = trial.drawn, trial.tension, trial.taut
+            return True
+    return False
 
 
 @kernel
@@ -494,7 +598,9 @@ def solve_once(
 
 
 @kernel
-def _solve_pressed(s: Situation, rules: Rules, by_contact: bool, parts: Ints, row: Array) -> bool:
+def _solve_pressed(
+    s: Situation, rules: Rules, by_contact: bool, joints: JointTask, parts: Ints, row: Array
+) -> bool:  # fmt: skip
     """Write the loaded answer nearest to contacts that all stick: friction starts high and comes down to what it is,
     each solve from the last. Whether no answer opens all contacts on the way.
     """
@@ -503,7 +609,7 @@ def _solve_pressed(s: Situation, rules: Rules, by_contact: bool, parts: Ints, ro
         more = Rules(
             rules.laws, times * rules.friction_coefficients, rules.extra, rules.giving, rules.yields, rules.pattern
         )
-        if not solve_once(s, more, by_contact, start, True, -1.0, row) or not answer.kinds.any():
+        if not solve_in_modes(s, more, by_contact, joints, start, True, -1.0, parts, row) or not answer.kinds.any():
             return False
         start = answer.start.copy()
     return True

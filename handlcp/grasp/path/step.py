@@ -19,17 +19,15 @@ from handlcp.contact.friction import Section
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import ContactStatus, PathStatus, shown_statuses
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
-from handlcp.grasp.path.joints import Joints
+from handlcp.grasp.path.joints import NO_JOINTS, NO_TASK, Joints
 from handlcp.grasp.path.newton.answer import Reached
 from handlcp.grasp.path.newton.linear_solve import Rules
 from handlcp.grasp.path.newton.numbers import Damping, Loads, Read, Situation, softness_of
 from handlcp.grasp.path.pull import NO_PULL, Pull, Task
 from handlcp.grasp.path.solve_step import (
-    CLOSE,
     GOES_ON,
     KEPT,
     MAX_ITERATES,
-    PRESSED,
     SETTLED,
     Sizes,
     StateRow,
@@ -40,7 +38,6 @@ from handlcp.grasp.path.solve_step import (
     judge_iterate,
     load_change,
     relax_share,
-    solve_once,
     solve_step,
 )
 from handlcp.grasp.path.state import OPEN, Controls, Failure, Guess, State
@@ -67,8 +64,8 @@ class StepState(State):
     stepper: Stepper
 
     def __init__(self, row: Array, controls: Controls, stepper: Stepper) -> None:
-        still, own = stepper.still, self.__dict__
-        own.update(row=row, stepper=stepper, controls=controls, yielded=still, gives=_NOWHERE, rubs=still, pull=NO_PULL)
+        own = self.__dict__
+        own.update(row=row, stepper=stepper, controls=controls, yielded=stepper.still, gives=_NOWHERE)
 
     def _read(self, name: str) -> Array:
         """A part of the row."""
@@ -91,12 +88,15 @@ class StepState(State):
     @lazy_property
     def loads(self) -> Loads:
         """Those of the step."""
-        iterate, under = self.iterate, self.stepper.grasp.under(self.controls, self.controls)
-        at = iterate.at
-        return Loads(
+        iterate, stepper = self.iterate, self.stepper
+        at, under = iterate.at, stepper.grasp.under(self.controls, self.controls)
+        loads = Loads(
             self._read("base"), self._read("since"), at.give, at.turn, under.commanded - at.q, under.load,
             iterate.reference, under.weight, iterate.reference + iterate.weight_arm,
         )  # fmt: skip
+        if stepper.joints is None or not self._read("tally")[2]:
+            return loads
+        return stepper.driven_by_springs(loads, iterate, self.where.q, self._read("torque"))
 
     @lazy_property
     def slip_memory(self) -> Array:
@@ -116,6 +116,19 @@ class StepState(State):
             self._read("forces"), self._read("motion"), self._read("torsion"), self._read("spin"),
             torque if springs is self.stepper.still else torque + springs, self._read("deflection"), springs,
         )  # fmt: skip
+
+    @lazy_property
+    def rubs(self) -> Array:
+        """Dry friction at the joints."""
+        return self.stepper.still if self.stepper.joints is None else self._read("rubs")
+
+    @lazy_property
+    def pull(self) -> Pull:
+        """What joints, posts and tendons do."""
+        if self.stepper.joints is None:
+            return NO_PULL
+        parts = [self._read(name) for name in ("post_friction", "drawn", "tension", "taut")]
+        return Pull(self._read("modes").astype(np.int64), *parts)
 
     @lazy_property
     def kinds(self) -> tuple[ContactStatus, ...]:
@@ -164,7 +177,9 @@ class Stepper:
         self.slow = _SLOW if geometry.follows else _SLOW_STILL
         self.first = geometry.iterate(geometry.start, None)
         self.grasp = StepGrasp(spec, geometry, self.first, weight)
-        self.laws = StepLaws(self.grasp, section, self.first)
+        self.joints = _joints(spec, geometry, self.first.elastic.compliance_factor)
+        counts = None if self.joints is None else self.joints.counts
+        self.laws = StepLaws(self.grasp, section, self.first, counts)
         softness = softness_of(self.first.elastic)
         self.length = length_of(self.first.positions)
         self.stiffness = 1.0 / float(softness.mean()) if softness.any() else 1.0
@@ -172,28 +187,27 @@ class Stepper:
         self.sizes = Sizes(self.length, self.stiffness, self.tolerance, self.slow)
         laws = [c.friction for c in spec.contacts]
         self.friction, self.still = self.laws.friction_coefficients, read_only(np.zeros(len(self.first.at.q)))
-        self.joints = _joints(spec, geometry, self.first.elastic.compliance_factor)
         at_rest = self.spring_torque(np.zeros(len(self.still)))
         rate = self.spring_torque(np.ones(len(self.still))) - at_rest
         self.springs = np.array([at_rest, rate])  # torque of springs beside drives at q = 0, and how fast it grows
         self.lever = np.array([1.0 / law.lever if law.lever > 0.0 else 0.0 for law in laws])
         pose, dof = len(geometry.pose_row(geometry.start.pose)), self.laws.pattern.dof
-        tendons = 0 if self.joints is None else len(self.joints.cables.names)
-        self.layout = StateRow(spec.n, len(self.still), len(self.laws.laws.scale), dof, pose, tendons)
+        self.layout = StateRow(spec.n, len(self.still), len(self.laws.laws.scale), dof, pose, counts)
         self.compiled = self._step_model(weight)
 
     def _step_model(self, weight: Array) -> StepModel | None:
         """All that the steps have in common, as compiled code reads it; None: a step needs Python for what the grasp's
-        user brings, for effects with limits that give way, or for joints with friction and tendons.
+        user brings, for effects with limits that give way, or for tendons along routes.
         """
-        arrays, laws = self.geometry.arrays, self.laws
-        if arrays is None or self.grasp.general or self.joints is not None:
+        arrays, laws, joints = self.geometry.arrays, self.laws, self.joints
+        if arrays is None or self.grasp.general or (joints is not None and joints.cables.elasticity_at is not None):
             return None
         no_extra, giving = laws.nothing_added
         rules = Rules(laws.laws, laws.friction_coefficients, no_extra, giving, laws.yields, laws.pattern)
         return StepModel(
             arrays, rules, self.grasp.preloads, np.array(self.grasp.posture), np.array(weight), self.damper,
-            self.sizes, laws.by_contact, self.layout.starts, laws.answer.starts,
+            self.sizes, laws.by_contact, joints is not None, NO_JOINTS if joints is None else joints.system,
+            self.layout.starts, laws.answer.starts,
         )  # fmt: skip
 
     def beginning(self, controls: Controls) -> State:
@@ -257,8 +271,8 @@ class Stepper:
         for name in ("start", "met"):
             if len(value := getattr(state, name)):
                 parts[name] = value
-        if len(state.pull.tension):
-            parts |= {"tension": state.pull.tension, "slack": state.pull.slack}
+        if self.joints is not None:
+            parts |= state.pull._asdict() | {"slack": state.pull.slack, "rubs": state.rubs}
         for name, value in parts.items():
             self.layout.read(row, name)[...] = value
         state.__dict__["row"] = row
@@ -333,10 +347,8 @@ class Stepper:
         if self.joints is not None:
             joints = self.joints.at(iterate.at.q)
             stands = task._replace(commanded=under.commanded - yielded)
-            left = self._left(reached, iterate)
-            rubs = joints.taken(joints.rubbing(pull, stands, end.q, left))
-            # as if there were springs alone
-            loads = loads._replace(command=end.q + yielded - iterate.at.q + joints.C @ left)
+            rubs = joints.taken(joints.rubbing(pull, stands, end.q, self._left(reached.torque, iterate)))
+            loads = self.driven_by_springs(loads, iterate, end.q + yielded, reached.torque)
         kinds = shown_statuses(reached.kinds)
         free = controls.kept or not (under.load.any() or under.weight.any())
         if free and is_pushed_ahead(self.sizes, reached.forces):
@@ -401,66 +413,20 @@ class Stepper:
         return next((who for who in map(self.joints.cables.crossed_body, q, q[1:]) if who), "")
 
     def _answer(self, asked: _Asked, start: Array, state: State) -> Reached | None:
-        """The answer that continues what is expected, as `answer_iterate` chooses it; where joints rub or tendons may
-        go slack, each of those that it chooses from is found for every assumption of what these do.
-        """
-        if self.joints is None:
-            situation, rules = self._situation(asked, 1.0)
-            row, kinds = np.zeros(self.laws.answer.size), np.array(state.kinds, dtype=np.int64)
-            found_one = answer_iterate(
-                situation, rules, self.laws.by_contact, start, state.loaded, kinds, asked.near,
-                self.laws.answer.starts, row,
-            )  # fmt: skip
-            return Reached(row, self.laws.answer.parts, NO_PULL) if found_one else None
-        begun = start if state.loaded else _NOWHERE
-        found = self._solved(asked, begun)
-        if not state.loaded and (found is None or not found.kinds.any()):
-            return self._pressed(asked._replace(near=-1.0)) or found
-        if not len(begun) or (found is not None and shown_statuses(found.kinds) == state.kinds):
-            return found
-        c = len(self.laws.laws.scale)
-        size = CLOSE * float(abs(start[:c]).max())
-        if found is not None and float(abs(found.start[:c] - start[:c]).max()) <= size:
-            return found
-        other = self._solved(asked, begun, cold=True)
-        if found is None or other is None:
-            return found or other
-        if shown_statuses(other.kinds) == state.kinds:
-            return other
-        off = [float(abs(a.start[:c] - start[:c]).max()) for a in (found, other)]
-        return found if off[0] <= off[1] else other
-
-    def _pressed(self, asked: _Asked) -> Reached | None:
-        """The loaded answer nearest to contacts that all stick: friction starts high and comes down to what it is, each
-        solve from the last. None where an answer opens all contacts on the way.
-        """
-        found, start = None, np.zeros(0)
-        for times in PRESSED:
-            found = self._solved(asked, start, times)
-            if found is None or not found.kinds.any():
-                return None
-            start = found.start
-        return found
-
-    def _solved(self, asked: _Asked, start: Array, friction: float = 1.0, cold: bool = False) -> Reached | None:
-        """One solve for each assumption of what joints and tendons do. friction : times what it is. cold : from
-        contacts that all stick, not from the start.
-        """
-        assert self.joints is not None  # others are answered in one call
-        loads, iterate = asked.loads, asked.iterate
-
-        def once(factor: Array, command: Array, tensed: Array) -> tuple[Reached, Array, Array] | None:
-            elastic = iterate.elastic._replace(compliance_factor=factor, tensed=tensed)
-            made = asked._replace(iterate=iterate._replace(elastic=elastic), loads=loads._replace(command=command))
-            found = self._solved_once(made, start, friction, cold)
-            return None if found is None else (found, iterate.at.q + found.change, self._left(found, iterate))
-
-        tried = self.joints.at(iterate.at.q).solved(asked.begun, asked.task, iterate.at.q, once)
-        if tried is None:
-            return None
-        found: Reached = tried[0]
-        found.pull = tried[1]
-        return found
+        """The answer that continues what is expected, as `answer_iterate` chooses it."""
+        laws, iterate = self.laws, asked.iterate
+        extra, giving, loads = laws.added(iterate, asked.loads, asked.gives)
+        situation = Situation(
+            iterate.touch, iterate.frames, iterate.moving, iterate.elastic, loads, asked.slipped, iterate.radius,
+            asked.damping,
+        )  # fmt: skip
+        rules = Rules(laws.laws, laws.friction_coefficients, extra, giving, laws.yields, laws.pattern)
+        task = NO_TASK if self.joints is None else self.joints.task(asked.begun, asked.task, iterate.at.q)
+        row, kinds = np.zeros(laws.answer.size), np.array(state.kinds, dtype=np.int64)
+        found = answer_iterate(
+            situation, rules, laws.by_contact, task, start, state.loaded, kinds, asked.near, laws.answer.starts, row
+        )  # fmt: skip
+        return Reached(row, laws.answer.parts) if found else None
 
     def spring_torque(self, q: Array) -> Array:
         """(nv,) with which drives pull against springs beside them, with joints at q (nv,)."""
@@ -468,26 +434,15 @@ class Stepper:
         held = None if mechanism is None else mechanism.parallel_spring_torque(q if self.geometry.follows else None)
         return self.still if held is None else held
 
-    def _left(self, reached: Reached, iterate: Iterate) -> Array:
-        """(nv,) what springs pull with for the contacts alone."""
-        return reached.torque - (1.0 - self.laws.laws.sags) * iterate.elastic.gravity
+    def _left(self, torque: Array, iterate: Iterate) -> Array:
+        """(nv,) what springs pull with for the contacts alone, of torques (nv,) that hold the fingers' weight, too."""
+        return torque - (1.0 - self.laws.laws.sags) * iterate.elastic.gravity
 
-    def _solved_once(self, asked: _Asked, start: Array, friction: float, cold: bool) -> Reached | None:
-        situation, rules = self._situation(asked, friction)
-        row = np.zeros(self.laws.answer.size)
-        found = solve_once(situation, rules, self.laws.by_contact, start, not cold, asked.near, row)
-        return Reached(row, self.laws.answer.parts, NO_PULL) if found else None
-
-    def _situation(self, asked: _Asked, friction: float) -> tuple[Situation, Rules]:
-        """What a solve of an iterate sees, and the rules of its answer; friction : times what it is."""
-        laws, iterate = self.laws, asked.iterate
-        extra, giving, loads = laws.added(iterate, asked.loads, asked.gives)
-        coefficients = laws.friction_coefficients if friction == 1.0 else friction * laws.friction_coefficients
-        situation = Situation(
-            iterate.touch, iterate.frames, iterate.moving, iterate.elastic, loads, asked.slipped, iterate.radius,
-            asked.damping,
-        )  # fmt: skip
-        return situation, Rules(laws.laws, coefficients, extra, giving, laws.yields, laws.pattern)
+    def driven_by_springs(self, loads: Loads, iterate: Iterate, q: Array, torque: Array) -> Loads:
+        """The same as if there were springs alone, with joints at q (nv,) that bear these torques (nv,)."""
+        assert self.joints is not None
+        command = q - iterate.at.q + self.joints.at(iterate.at.q).C @ self._left(torque, iterate)
+        return loads._replace(command=command)
 
 
 def controls_row(controls: Controls) -> Array:

@@ -44,10 +44,12 @@ from handlcp.grasp.solve.compiled_solve import ScenePattern
 class StepLaws:
     """Of one grasp and section. laws, friction_coefficients (n,), pattern : as `one_iteration` reads them. given : how
     many limits give way. yields (nv, given) : how far they drive joints back [rad/m], at the first iterate. answer :
-    the layout of an answer's row. by_contact : whether contacts are eliminated one by one.
+    the layout of an answer's row; joints : as in `Answer`. by_contact : whether contacts are eliminated one by one.
     """
 
-    def __init__(self, grasp: StepGrasp, section: Section, first: Iterate) -> None:
+    def __init__(
+        self, grasp: StepGrasp, section: Section, first: Iterate, joints: tuple[int, int] | None
+    ) -> None:  # fmt: skip
         self.grasp, spec = grasp, grasp.spec
         scene = build_scene(spec)
         asked = asked_effects_with_rows(spec.effects)
@@ -76,7 +78,7 @@ class StepLaws:
         self.nothing_added = np.zeros((0, 0)), none
         nv = len(first.at.q)
         self.yields = np.zeros((nv, 0))
-        self.answer = Answer(spec.n, nv, scene.components, self.given, kind.dof)
+        self.answer = Answer(spec.n, nv, scene.components, self.given, kind.dof, joints)
         self.by_contact = (
             kind.has_many_contacts
             and not grasp.general

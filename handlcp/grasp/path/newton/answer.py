@@ -15,14 +15,18 @@ from handlcp.lcp.kernels.dense import kernel
 
 class Answer(RowLayout):
     """Where the numbers of an answer stand in their row, after whether it passes, its miss and whether it is measured.
-    n contacts, nv joints, c force components, k limits that give way, dof : of the object.
+    n contacts, nv joints, c force components, k limits that give way, dof : of the object; joints that do more than
+    give way with m posts and t tendons, or none of this.
     """
 
-    def __init__(self, n: int, nv: int, c: int, k: int, dof: int) -> None:
+    def __init__(self, n: int, nv: int, c: int, k: int, dof: int, joints: tuple[int, int] | None) -> None:
+        m, t = joints or (0, 0)
+        rows = 0 if joints is None else nv + m
         shapes: dict[str, tuple[int, ...]] = {
             "forces": (n, 3), "motion": (n, 3), "torsion": (n,), "spin": (n,), "torque": (nv,), "change": (nv,),
             "twist": (6,), "centre": (3,), "gives": (k,), "give": (n, 3), "turn": (n,), "slip_memory": (n, 3),
-            "kinds": (n,), "start": (2 * c + 9,), "met": (dof, dof),
+            "kinds": (n,), "start": (2 * c + 9,), "modes": (rows + t,), "post_friction": (m,), "friction": (rows,),
+            "drawn": (t,), "tension": (t,), "taut": (t,), "met": (dof, dof),
         }  # fmt: skip
         super().__init__(shapes, begin=3)
 
@@ -44,6 +48,12 @@ class AnswerArrays(NamedTuple):
     slip_memory: Array
     kinds: Array
     start: Array
+    modes: Array
+    post_friction: Array
+    friction: Array
+    drawn: Array
+    tension: Array
+    taut: Array
     met: Array
 
 
@@ -51,7 +61,7 @@ class AnswerArrays(NamedTuple):
 def read_answer(row: Array, s: Ints) -> AnswerArrays:
     """The parts of a row; s : where they begin."""
     n, dof = s[3] - s[2], 6
-    while dof * dof > s[15] - s[14]:
+    while dof * dof > s[21] - s[20]:
         dof -= 1
     return AnswerArrays(
         row[s[0] : s[1]].reshape(n, 3),
@@ -68,7 +78,13 @@ def read_answer(row: Array, s: Ints) -> AnswerArrays:
         row[s[11] : s[12]].reshape(n, 3),
         row[s[12] : s[13]],
         row[s[13] : s[14]],
-        row[s[14] : s[15]].reshape(dof, dof),
+        row[s[14] : s[15]],
+        row[s[15] : s[16]],
+        row[s[16] : s[17]],
+        row[s[17] : s[18]],
+        row[s[18] : s[19]],
+        row[s[19] : s[20]],
+        row[s[20] : s[21]].reshape(dof, dof),
     )
 
 
@@ -76,14 +92,14 @@ class Reached:
     """Where an iterate's answer leads, SI. forces, motion (n, 3), torsion, spin (n,), torque, change (nv,) of the
     joints from the iterate, twist (6,) about centre (3,), gives (k,) motions of limits. give (n, 3), turn (n,),
     slip_memory (n, 3) : as `_end_of_step` has them. start (2c + 9,) : where the next solve may begin: forces in the
-    laws' coordinates, twist, centre, and motions at the contacts in these coordinates. pull : what joints, posts and
-    tendons do, as `Joints` has it.
+    laws' coordinates, twist, centre, and motions at the contacts in these coordinates. friction (nv + m,) : of joints
+    that rub [N·m], and posts [N].
     """
 
-    __slots__ = ("_parts", "_row", "pull")
+    __slots__ = ("_parts", "_row")
 
-    def __init__(self, row: Array, parts: dict[str, tuple[slice, tuple[int, ...]]], pull: Pull) -> None:
-        self._row, self._parts, self.pull = row, parts, pull
+    def __init__(self, row: Array, parts: dict[str, tuple[slice, tuple[int, ...]]]) -> None:
+        self._row, self._parts = row, parts
 
     def __getattr__(self, name: str) -> Array:
         at, shape = self._parts[name]
@@ -99,6 +115,11 @@ class Reached:
     def kinds(self) -> Ints:
         """(n,) as `contact_states` numbers them."""
         return self._row[self._parts["kinds"][0]].astype(np.int64)
+
+    @property
+    def pull(self) -> Pull:
+        """What joints, posts and tendons do."""
+        return Pull(self.modes.astype(np.int64), self.post_friction, self.drawn, self.tension, self.taut)
 
     @property
     def met(self) -> Array:
