@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from handlcp.actuation.tendon_stiffness import RoutedStiffness
 from handlcp.check import Array, read_only
 from handlcp.contact.closest_point import rolling_point
 from handlcp.contact.moving_contact import MovingBodies, compute_slip, write_contact_arrays
@@ -21,9 +22,11 @@ from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, least_flexibility, supports
+from handlcp.grasp.path.joint_system import TendonRoutes
 from handlcp.grasp.path.linearise import (
     GIVEN,
     NO_GIVEN_TIPS,
+    NO_ROUTES,
     NO_SWEPT_TIPS,
     Body,
     GeometryArrays,
@@ -123,8 +126,17 @@ class MovingHandGeometry(Geometry):
         hand = HandArrays(
             kinematics.tree, kinematics.tip_placements(self._frames), self._support, self._pads,
             self._compliance_factor, gravity, self._body, swept, given, self._supports, self._radius,
+            self._read_routes(),
         )  # fmt: skip
         return geometry_of_hand(self.poses, hand)
+
+    def _read_routes(self) -> TendonRoutes:
+        """Routes of tendons."""
+        stiffness, kinematics = self.hand.stiffness, self.hand.kinematics
+        if not isinstance(stiffness, RoutedStiffness):
+            return NO_ROUTES
+        tendons, links = stiffness.routed_tendons
+        return TendonRoutes(True, kinematics.tip_placements(links), tendons)
 
     def _open_posture(self, there: Iterate) -> Array:
         """(nv,) the posture, opened joint by joint until overlapping fingertips touch, as far as joints can."""

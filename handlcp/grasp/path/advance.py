@@ -115,7 +115,7 @@ class Leg:
         origin = np.zeros(0) if number else self._own.row_of(run.states[0])
         base = base if beyond is None else beyond.first
         tries = patience.tries * max(1.0, (ACCURACY / accuracy) ** 0.5)
-        breath = 1 if stepper.compiled is None else _BREATH
+        breath = 1 if stepper.compiled is None or stepper.may_cross else _BREATH
         near = _EXACT, _CLOSE
         if not stepper.geometry.follows:
             near = _EXACT_STILL if beyond is None else _EXACT_LIMIT, _CLOSE_STILL
@@ -270,12 +270,9 @@ class _OwnSteps:
         """Whether a tendon crosses a body on the way to the states of a trace beyond so many, or close by, where they
         end.
         """
-        if self._stepper.compiled is not None:
-            return False
         leg = trace.leg[0]
         ends = leg.status >= PathStatus.RUNS_AWAY
-        states = [self.state_of(row) for row in trace.rows[max(known - 2, 0) : leg.number]]
-        self.crossed = self._stepper.crosses(states, min(known - 1, 1), ends)
+        self.crossed = self._stepper.crosses(trace.rows[max(known - 2, 0) : leg.number], bool(ends))
         return bool(self.crossed)
 
 

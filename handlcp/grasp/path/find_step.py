@@ -31,7 +31,15 @@ from handlcp.grasp.path.path_model import (
     steps_kernel,
     take_step,
 )
-from handlcp.grasp.path.solve_step import NO_FORCE, PARTS, SETTLED, StepOptions, read_part, read_state
+from handlcp.grasp.path.solve_step import (
+    NO_FORCE,
+    PARTS,
+    SETTLED,
+    StepOptions,
+    largest_change,
+    read_part,
+    read_state,
+)
 from handlcp.grasp.path.trace import StageArrays, Trace
 from handlcp.lcp.kernels.dense import kernel
 
@@ -196,15 +204,6 @@ def _next_combination(chosen: Ints, count: int) -> bool:
                 chosen[j] = chosen[j - 1] + 1
             return True
     return False
-
-
-@kernel
-def largest_change(a: Array, b: Array) -> float:
-    """The largest difference between numbers (k,) of two rows."""
-    largest = 0.0
-    for i in range(len(a)):
-        largest = max(largest, abs(a[i] - b[i]))
-    return largest
 
 
 @kernel

@@ -36,8 +36,7 @@ Linear Algebra and its Applications 7, 1974). Friction of posts that slip depend
 friction: that fixed point is found by Anderson's mixing (Journal of the ACM 12, 1965). The memory of a path is where
 the joints stand and how far the tendons are drawn in, and nothing else.
 
-Of tendons along routes, `lay_tendons` and `tendon_arm_rates` of `handlcp.actuation.cable_kinematics` give the arms in a
-posture, and `system_in_posture` the joints there.
+Of tendons along routes, `joints_in_posture` gives the joints with the arms of a posture.
 """
 
 from __future__ import annotations
@@ -47,8 +46,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from handlcp.actuation.cable_kinematics import CablePosture, RoutedTendons, lay_tendons, tendon_arm_rates
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.model.mechanism import TendonArms, least_tensions
+from handlcp.kinematics.joint_tree import JointTree, TipPlacements, compose_placement, write_joint_motions
 from handlcp.lcp.kernels.dense import (
     add_product,
     add_transposed,
@@ -102,6 +103,16 @@ class JointSystem(NamedTuple):
     shift: Array
     spring_arms: Array
     arm_rates: Array
+
+
+class TendonRoutes(NamedTuple):
+    """Tendons along routes on the links of a hand. acts : whether there are any; else all else is unused. links : where
+    the links are on the hand's joints.
+    """
+
+    acts: bool
+    links: TipPlacements
+    tendons: RoutedTendons
 
 
 class JointStep(NamedTuple):
@@ -573,6 +584,34 @@ def _solve_block(A: Array, chosen: Ints, b: Array) -> Array:
 
 
 # ---------------------------------------------------------------- Tendons along routes: the joints in another posture.
+
+
+@kernel
+def joints_in_posture(s: JointSystem, tree: JointTree, routes: TendonRoutes, q: Array) -> tuple[JointSystem, bool]:
+    """The joints at q (nv,) with the arms that tendons have there; whether no site of theirs is inside a body."""
+    links = routes.links
+    joints, count = len(tree.parents), len(links.carriers)
+    R, p, columns = np.empty((joints, 3, 3)), np.empty((joints, 3)), np.empty((joints, 6))
+    write_joint_motions(tree, q, R, p, columns)
+    placements, turned, at = np.zeros((count, 4, 4)), np.empty((3, 3)), np.empty(3)
+    for i in range(count):
+        compose_placement(R, p, links.carriers[i], links.rotations[i], links.origins[i], turned, at)
+        placements[i, 3, 3] = 1.0
+        for a in range(3):
+            placements[i, a, 3] = at[a]
+            for b in range(3):
+                placements[i, a, b] = turned[a, b]
+    posed = CablePosture(placements, columns)
+    laid, _, wrong, _ = lay_tendons(routes.tendons, posed, q)
+    if wrong >= 0:
+        return s, False
+    return system_in_posture(s, laid, tendon_arm_rates(routes.tendons, posed)), True
+
+
+@kernel
+def step_in_posture(s: JointSystem, step: JointStep) -> JointStep:
+    """The same step with springs as stiff as in the posture of these joints."""
+    return JointStep(step.begun, step.commanded, spring_target(s, step.commanded, step.drawn), step.drawn, step.driven)
 
 
 @kernel

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.path.find_step import FINEST, find_part, largest_change
+from handlcp.grasp.path.find_step import FINEST, find_part
 from handlcp.grasp.path.path_model import (
     OPEN,
     SLIDES,
@@ -18,7 +18,7 @@ from handlcp.grasp.path.path_model import (
     slip_lengths,
     steps_kernel,
 )
-from handlcp.grasp.path.solve_step import PARTS, SETTLED, StateArrays, read_part, read_state
+from handlcp.grasp.path.solve_step import PARTS, SETTLED, StateArrays, largest_change, read_part, read_state
 from handlcp.grasp.path.trace import StageArrays, Trace
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE

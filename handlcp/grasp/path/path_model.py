@@ -2,8 +2,8 @@
 they slid, the error of a step, what is over a limit.
 
 A path is written once. Where all of a grasp is known in closed form it is one compiled call; where its user brings
-something in Python (a geometry, an effect with limits), or tendons run along routes, the same functions run as
-Python, and what brings it (`PathModel.own`) takes the place of the functions that it has.
+something in Python (a geometry, an effect with limits), the same functions run as Python, and what brings it
+(`PathModel.own`) takes the place of the functions that it has.
 """
 
 from __future__ import annotations
@@ -16,7 +16,16 @@ import numpy as np
 
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, PathStatus
-from handlcp.grasp.path.joint_system import begin_trial, joint_springs, move_free_joints, read_joint_state
+from handlcp.grasp.path.joint_system import (
+    JOINT_ROUNDING,
+    MAX_MODE_TRIALS,
+    begin_trial,
+    joint_springs,
+    joints_in_posture,
+    move_free_joints,
+    read_joint_state,
+    step_in_posture,
+)
 from handlcp.grasp.path.linearise import (
     Placed,
     Poses,
@@ -38,6 +47,7 @@ from handlcp.grasp.path.solve_step import (
     StepOptions,
     is_loaded,
     joint_step,
+    largest_change,
     pose_distance,
     preload_offsets,
     read_part,
@@ -176,8 +186,8 @@ def move_unloaded(m: PathSteps, before: Array, controls: Array, row: Array) -> i
     row[:] = 0.0
     was, stood, at = read_place(poses, old.where), read_place(poses, old.at), read_place(poses, end.where)
     at.q[:], at.pose[:] = s.posture + controls[9:], was.pose
-    if s.rubs:
-        _move_joints(s, old, was.q, controls, at.q, end)
+    if s.rubs and not _move_joints(s, old, was.q, controls, at.q, end):
+        return _NO_FORCES
     contacts = new_contacts(s.geometry)
     contacts.frames[:] = old.frames
     linearise(s.geometry, end.where, contacts)
@@ -199,19 +209,37 @@ def move_unloaded(m: PathSteps, before: Array, controls: Array, row: Array) -> i
 
 
 @kernel
-def _move_joints(s: StepModel, old: StateArrays, begun: Array, controls: Array, q: Array, end: StateArrays) -> None:
-    """Write where joints that rub come to (nv,), commanded to q and from begun (nv,), and what they do there."""
-    j = s.joints
-    step = joint_step(begun, q.copy(), old, controls)
-    trial = begin_trial(j, old.modes.astype(np.int64), old.post_friction)
-    free, settled = move_free_joints(j, step, trial, begun)
-    if settled:
-        q[:] = free
+def _move_joints(s: StepModel, old: StateArrays, begun: Array, controls: Array, q: Array, end: StateArrays) -> bool:
+    """Write where joints that rub come to (nv,), commanded to q and from begun (nv,), and what they do there; whether
+    their tendons can run there.
+    """
+    hand = s.geometry.hand
+    asked, fits = joint_step(s, begun, q.copy(), old, controls)
+    here, step, last, rests = s.joints, asked, begun.copy(), False
+    trial = begin_trial(here, old.modes.astype(np.int64), old.post_friction)
+    for _ in range(MAX_MODE_TRIALS):
+        if fits and hand.routes.acts:
+            here, fits = joints_in_posture(s.joints, hand.tree, hand.routes, last)
+            step = step_in_posture(here, asked)
+        if not fits:
+            return False
+        trial = begin_trial(here, old.modes.astype(np.int64), old.post_friction)
+        free, settled = move_free_joints(here, step, trial, last)
+        rests = settled and (not hand.routes.acts or largest_change(free, last) <= JOINT_ROUNDING)
+        last[:] = free
+        if rests or not settled:
+            break
+    if rests:
+        q[:] = last
     else:
-        trial = begin_trial(j, np.zeros(len(old.modes), np.int64), np.zeros(len(old.post_friction)))
-        read_joint_state(j, joint_springs(j, trial), step, trial, q, np.zeros(len(q)))
+        if hand.routes.acts:
+            here, fits = joints_in_posture(s.joints, hand.tree, hand.routes, q)
+            step = step_in_posture(here, asked)
+        trial = begin_trial(here, np.zeros(len(old.modes), np.int64), np.zeros(len(old.post_friction)))
+        read_joint_state(here, joint_springs(here, trial), step, trial, q, np.zeros(len(q)))
     found = trial.modes.astype(np.float64), trial.post_friction, trial.friction, trial.drawn, trial.tension, trial.taut
-    write_joints(j, found, end)
+    write_joints(here, found, end)
+    return fits
 
 
 # ----------------------------------------------------------------

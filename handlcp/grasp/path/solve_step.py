@@ -21,9 +21,12 @@ from handlcp.grasp.path.joint_system import (
     JointTask,
     assume_anew,
     begin_trial,
+    commanded_draw,
     joint_command,
     joint_springs,
+    joints_in_posture,
     read_joint_state,
+    step_in_posture,
     tensioned_stiffness,
 )
 from handlcp.grasp.path.linearise import (
@@ -147,8 +150,8 @@ class StateArrays(NamedTuple):
     """A state: views into its row, in this order. where : its configuration; at : that of the contacts as the step was
     solved with them, of which positions to slips tell where they were (`Placed`). base (n, 3), since (n,) : of `Loads`.
     tally (4,) : of iterates; 1 where `met` was measured; 1 where there is a start; the number that Python knows the
-    state by. tension, slack (t,) : of tendons; modes to taut : as in `Pull`; yielded, rubs (nv,) : as in `State`, and so
-    is all else.
+    state by. tension, slack (t,) : of tendons; modes to taut : as in `Pull`; yielded, rubs (nv,) : as in `State`, and
+    so is all else.
     """
 
     where: Array
@@ -257,7 +260,9 @@ def solve_step(
     swing, last = np.zeros(8), np.inf
     found = read_answer(answer, m.answer)
     modes, post_friction = old.modes.astype(np.int64), old.post_friction.copy()
-    asked_of_joints = joint_step(was.q, commanded, old, controls)
+    here, (asked_of_joints, fits) = m.joints, joint_step(m, was.q, commanded, old, controls)
+    if not fits:
+        return _RUNS_AWAY
     if poses.follows:
         contacts.frames[:] = old.frames
     for count in range(1, MAX_ITERATES + 1):
@@ -281,7 +286,13 @@ def solve_step(
             contacts.touch, contacts.frames, contacts.moving, contacts.elastic, loads, slipped, radius, damping
         )
         measured = near if poses.follows else -1.0
-        task = JointTask(m.rubs, m.joints, asked_of_joints, modes, post_friction, at.q)
+        step = asked_of_joints
+        if g.hand.routes.acts:
+            here, fits = joints_in_posture(m.joints, g.hand.tree, g.hand.routes, at.q)
+            if not fits:
+                return _RUNS_AWAY
+            step = step_in_posture(here, asked_of_joints)
+        task = JointTask(m.rubs, here, step, modes, post_friction, at.q)
         if not answer_iterate(
             situation, m.rules, m.by_contact, task, start, loaded, kinds, measured, m.answer, answer
         ):  # fmt: skip
@@ -309,7 +320,7 @@ def solve_step(
             _write_response(found, asked.past, ahead, end)
             if m.rubs:
                 pull = found.modes, found.post_friction, found.friction, found.drawn, found.tension, found.taut
-                write_joints(m.joints, pull, end)
+                write_joints(here, pull, end)
             return SETTLED
         if judged != GOES_ON:
             return judged
@@ -337,13 +348,24 @@ def _write_response(found: AnswerArrays, past: Array, ahead: bool, end: StateArr
 
 
 @kernel
-def joint_step(begun: Array, commanded: Array, old: StateArrays, controls: Array) -> JointStep:
-    """What a step asks of joints whose tendons keep their arms, from a state in which they stand at begun (nv,)."""
-    driven = False
+def joint_step(
+    m: StepModel, begun: Array, commanded: Array, old: StateArrays, controls: Array
+) -> tuple[JointStep, bool]:  # fmt: skip
+    """(what a step asks of joints with the arms that were given, from a state in which they stand at begun (nv,);
+    whether tendons along routes can be where they are commanded, (nv,)).
+    """
+    driven, drawn = False, old.drawn.copy()
     for j in range(len(commanded)):
         driven = driven or controls[9 + j] != old.controls[9 + j]
-    drawn = np.zeros(len(old.drawn)) if driven else old.drawn.copy()
-    return JointStep(begun, commanded, commanded, drawn, driven)
+    if driven:
+        drawn[:] = 0.0
+    hand = m.geometry.hand
+    if driven and hand.routes.acts:
+        there, fits = joints_in_posture(m.joints, hand.tree, hand.routes, commanded)
+        if not fits:
+            return JointStep(begun, commanded, commanded, drawn, driven), False
+        drawn = commanded_draw(there, commanded)
+    return JointStep(begun, commanded, commanded, drawn, driven), True
 
 
 @kernel
@@ -528,13 +550,14 @@ def answer_iterate(
     if len(begun) == 0 or (found and _same_kinds(answer.kinds, kinds)):
         return found
     c = len(rules.laws.scale)
-    if found and _largest_difference(answer.start, start, c) <= CLOSE * _largest_difference(start, start[:0], c):
+    forces, apart = start[:c], largest_change(answer.start[:c], start[:c])
+    if found and apart <= CLOSE * largest_change(forces, np.zeros(c)):
         return True
     other = np.empty(len(row))
     if not solve_in_modes(s, rules, by_contact, joints, begun, False, near, parts, other):
         return found
     second = read_answer(other, parts)
-    nearer = _largest_difference(second.start, start, c) < _largest_difference(answer.start, start, c)
+    nearer = largest_change(second.start[:c], forces) < apart
     if not found or _same_kinds(second.kinds, kinds) or nearer:
         row[:] = other
     return True
@@ -625,9 +648,9 @@ def _same_kinds(kinds: Array, before: Ints) -> bool:
 
 
 @kernel
-def _largest_difference(a: Array, b: Array, c: int) -> float:
-    """Of the first c numbers of two rows; b empty: zeros."""
+def largest_change(a: Array, b: Array) -> float:
+    """The largest difference between numbers (k,) of two rows."""
     largest = 0.0
-    for k in range(c):
-        largest = max(largest, abs(a[k] - b[k]) if len(b) > 0 else abs(a[k]))
+    for i in range(len(a)):
+        largest = max(largest, abs(a[i] - b[i]))
     return largest

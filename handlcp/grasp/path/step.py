@@ -8,7 +8,6 @@ gives loose and undetermined motions an answer; with h ≤ 1e8 it changes no oth
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any, NamedTuple
 
@@ -197,10 +196,10 @@ class Stepper:
 
     def _step_model(self, weight: Array) -> StepModel | None:
         """All that the steps have in common, as compiled code reads it; None: a step needs Python for what the grasp's
-        user brings, for effects with limits that give way, or for tendons along routes.
+        user brings, or for effects with limits that give way.
         """
         arrays, laws, joints = self.geometry.arrays, self.laws, self.joints
-        if arrays is None or self.grasp.general or (joints is not None and joints.cables.elasticity_at is not None):
+        if arrays is None or self.grasp.general:
             return None
         no_extra, giving = laws.nothing_added
         rules = Rules(laws.laws, laws.friction_coefficients, no_extra, giving, laws.yields, laws.pattern)
@@ -401,13 +400,18 @@ class Stepper:
         start = np.concatenate([own / self.laws.laws.scale, found.object_displacement, found.reference, none_expected])
         return self.step(state, controls, Guess(state.where, start, state.gives))
 
-    def crosses(self, states: Sequence[State], number: int, ends: bool) -> str:
-        """What a tendon crosses from this one of the states on, as of `Cables`, or, where these end, crosses close by;
-        "": nothing.
+    @property
+    def may_cross(self) -> bool:
+        """Whether tendons pass round bodies that they may come to cross."""
+        return self.joints is not None and bool(self.joints.cables.wrapped_bodies)
+
+    def crosses(self, rows: Array, ends: bool) -> str:
+        """What a tendon crosses from one of these states to the next, as of `Cables`, or, where the last of them is an
+        end, crosses close by; "": nothing.
         """
-        if self.joints is None or not self.joints.cables.wrapped_bodies:
+        if self.joints is None or not self.may_cross:
             return ""
-        q = [s.iterate.at.q for s in states[number - 1 if number else 0 :]]
+        q = [self.layout.read(row, "at")[: len(self.still)].copy() for row in rows]
         if ends and (size := float(abs(going := q[-1] - q[0]).max())) > 0.0:
             q += [q[-1] - _CLOSE_BY / size * going, q[-1] + _CLOSE_BY / size * going]
         return next((who for who in map(self.joints.cables.crossed_body, q, q[1:]) if who), "")
