@@ -82,11 +82,10 @@ def other_equilibria(
         found = solve_spec(spec, section, _QUICK_CHAIN, start_values(start, scene), scene, proof=False)
         if found.held and (found.uniqueness is None or found.uniqueness.forces_determined):
             differ = float(np.linalg.norm(found.forces - solution.forces, axis=1).max()) / (size or 1.0)
-            near, far = near if solution_motions(found).too_large else max(near, differ), max(far, differ)
-    if near > _OTHER_FORCE_SHARE:
-        yield make_reason("others", "note", {"forces_differ": near}, "near")
-    elif far > _OTHER_FORCE_SHARE:
-        yield make_reason("others", "note", {"forces_differ": far}, "far")
+            if differ > _OTHER_FORCE_SHARE:
+                near, far = near if solution_motions(found).too_large else max(near, differ), max(far, differ)
+    if far > 0.0:
+        yield make_reason("others", "note", {"forces_differ": near or far}, "near" if near > 0.0 else "far")
 
 
 # ----------------------------------------------------------------
