@@ -26,7 +26,6 @@ from handlcp.grasp.path.joint_system import TendonRoutes
 from handlcp.grasp.path.linearise import (
     GIVEN,
     NO_GIVEN_TIPS,
-    NO_ROUTES,
     NO_SWEPT_TIPS,
     Body,
     GeometryArrays,
@@ -126,17 +125,8 @@ class MovingHandGeometry(Geometry):
         hand = HandArrays(
             kinematics.tree, kinematics.tip_placements(self._frames), self._support, self._pads,
             self._compliance_factor, gravity, self._body, swept, given, self._supports, self._radius,
-            self._read_routes(),
         )  # fmt: skip
         return geometry_of_hand(self.poses, hand)
-
-    def _read_routes(self) -> TendonRoutes:
-        """Routes of tendons."""
-        stiffness, kinematics = self.hand.stiffness, self.hand.kinematics
-        if not isinstance(stiffness, RoutedStiffness):
-            return NO_ROUTES
-        tendons, links = stiffness.routed_tendons
-        return TendonRoutes(True, kinematics.tip_placements(links), tendons)
 
     def _open_posture(self, there: Iterate) -> Array:
         """(nv,) the posture, opened joint by joint until overlapping fingertips touch, as far as joints can."""
@@ -146,6 +136,15 @@ class MovingHandGeometry(Geometry):
         names, alone = self._mechanism.fingertips, np.eye(self.hand.nv)
         tips = TipMotions.from_jacobian(names, there.elastic.J, alone, self.spec.planar)
         return read_only(self.posture - tips.command_for_depth(inside))
+
+    @property
+    def tendon_routes(self) -> TendonRoutes | None:
+        """Of tendons whose arms change with the posture."""
+        stiffness, kinematics = self.hand.stiffness, self.hand.kinematics
+        if not isinstance(stiffness, RoutedStiffness):
+            return None
+        tendons, links = stiffness.routed_tendons
+        return TendonRoutes(kinematics.tip_placements(links), tendons)
 
     # ---- where the contacts are
     def iterate(self, at: Where, before: Iterate | None) -> Iterate:

@@ -51,7 +51,6 @@ _MOST_BRANCHES = 16  # choices of what sticks that are tried
 _GOES_ON = 0.02  # of the forces: how much a short step changes
 _FREE = 1e4  # h of a step that pushes an object which nothing holds
 _LITTLE = 1e-4  # of the contacts' distances: a slip that is expected, and not known
-_NO_PAST = np.zeros((0, 3))
 _NO_FORCES, _TOO_FAR = int(PathStatus.NO_FORCES), int(PathStatus.TOO_FAR)
 
 
@@ -90,7 +89,7 @@ def find_step(m: PathSteps, g: StageArrays, t: Trace, state: Array, share: float
 @kernel
 def _quasistatic(slow: float) -> StepOptions:
     """Of a step with this h of its damper."""
-    return StepOptions(slow, 1.0, _NO_PAST, False)
+    return StepOptions(slow, 1.0, np.zeros((0, 3)), False)
 
 
 @steps_kernel
@@ -149,7 +148,7 @@ def _push_ahead(m: PathSteps, state: Array, controls: Array, where: Array, start
     pulled = controls[:6].any() or controls[6] != 0.0
     if pulled and not m.read.poses.follows:
         return _NO_FORCES
-    asked = StepOptions(_FREE, 1.0, _NO_PAST, False)
+    asked = StepOptions(_FREE, 1.0, np.zeros((0, 3)), False)
     status = take_step(m, state, controls, where, start, asked, row)
     if status != SETTLED:
         return status

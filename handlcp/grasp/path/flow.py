@@ -45,7 +45,6 @@ _FAR = 1.5  # times the farthest contact's distance: an object that has moved fa
 _MOST = 200
 _PUSHED = 4  # steps
 _GROWN = 0.5  # times the time in which a push grows
-_NO_PAST = np.zeros((0, 3))
 
 
 @steps_kernel
@@ -68,7 +67,9 @@ def flow(m: PathSteps, t: Trace, begin: Array, controls: Array, push: Array, mos
     for count in range(_MOST):
         alone = not pushed or count >= _PUSHED
         under, state = controls if alone else with_push, read_state(end, m.read.state)
-        status = take_step(m, end, under, state.where, state.start, StepOptions(h, _ROUGH, _NO_PAST, buckles), found)
+        status = take_step(
+            m, end, under, state.where, state.start, StepOptions(h, _ROUGH, np.zeros((0, 3)), buckles), found
+        )
         if status != SETTLED or distance(m.read, end, found) > _STEP:
             h /= 4.0
             if h < _LEAST:
@@ -97,7 +98,7 @@ def flow(m: PathSteps, t: Trace, begin: Array, controls: Array, push: Array, mos
             return MOVES
         if off < _CALM and speed <= before and alone:
             state = read_state(end, m.read.state)
-            asked = StepOptions(m.read.sizes.slow, 1.0, _NO_PAST, False)
+            asked = StepOptions(m.read.sizes.slow, 1.0, np.zeros((0, 3)), False)
             settled = take_step(m, end, controls, state.where, state.start, asked, found) == SETTLED
             if settled and distance(m.read, end, found) < _NEAR:
                 end[:] = found

@@ -18,6 +18,7 @@ from handlcp.grasp.model.contact import MANY_CONTACTS, block_diagonal, shift_twi
 from handlcp.grasp.model.flexibility import Flexibility, stored_flexibility
 from handlcp.grasp.model.mechanism import Mechanism, joint_flexibility
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.path.joint_system import TendonRoutes
 from handlcp.grasp.path.linearise import (
     GeometryArrays,
     Placed,
@@ -94,6 +95,11 @@ class Geometry:
     quick: bool = True
     poses: Poses
     arrays: GeometryArrays | None = None
+
+    @property
+    def tendon_routes(self) -> TendonRoutes | None:
+        """Of tendons whose arms change with the posture; None: there are none."""
+        return None
 
     def mechanism(self, iterate: Iterate) -> Mechanism | None:
         """What moves the fingers, at the contacts of an iterate."""

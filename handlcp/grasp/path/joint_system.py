@@ -36,17 +36,17 @@ Linear Algebra and its Applications 7, 1974). Friction of posts that slip depend
 friction: that fixed point is found by Anderson's mixing (Journal of the ACM 12, 1965). The memory of a path is where
 the joints stand and how far the tendons are drawn in, and nothing else.
 
-Of tendons along routes, `joints_in_posture` gives the joints with the arms of a posture.
+Of tendons along routes, `joints_of_task` gives the joints with the arms of a posture.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.actuation.cable_kinematics import CablePosture, RoutedTendons, lay_tendons, tendon_arm_rates
+from handlcp.actuation.cable_kinematics import CablePosture, PackedRoutes, RoutedTendons, lay_tendons, tendon_arm_rates
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.model.mechanism import TendonArms, least_tensions
 from handlcp.kinematics.joint_tree import JointTree, TipPlacements, compose_placement, write_joint_motions
@@ -106,13 +106,14 @@ class JointSystem(NamedTuple):
 
 
 class TendonRoutes(NamedTuple):
-    """Tendons along routes on the links of a hand. acts : whether there are any; else all else is unused. links : where
-    the links are on the hand's joints.
-    """
+    """Tendons along routes on the links of a hand. links : where these are on the hand's joints."""
 
-    acts: bool
     links: TipPlacements
     tendons: RoutedTendons
+
+
+_SYSTEM_PARTS = len(JointSystem._fields)
+_TREE_PARTS = 7  # of a `JointTree`: all but masses
 
 
 class JointStep(NamedTuple):
@@ -130,13 +131,19 @@ class JointStep(NamedTuple):
 
 class JointTask(NamedTuple):
     """What solves of an iterate ask of the joints. acts : whether they do more than give way; else all else is unused.
-    modes (nv + m + t,), post_friction (m,) : assumed first, as in `JointTrial`. at (nv,) : where joints stand at the
-    iterate.
+    numbers, layout : of `pack_joints`. begun to driven : as in `JointStep`; of tendons whose routes are packed, target
+    and drawn are worked out there. modes (nv + m + t,), post_friction (m,) : assumed first, as in `JointTrial`. at
+    (nv,) : where joints stand at the iterate.
     """
 
     acts: bool
-    system: JointSystem
-    step: JointStep
+    numbers: Array
+    layout: Ints
+    begun: Array
+    commanded: Array
+    target: Array
+    drawn: Array
+    driven: bool
     modes: Ints
     post_friction: Array
     at: Array
@@ -586,32 +593,103 @@ def _solve_block(A: Array, chosen: Ints, b: Array) -> Array:
 # ---------------------------------------------------------------- Tendons along routes: the joints in another posture.
 
 
+def pack_joints(system: JointSystem, tree: JointTree | None, routes: TendonRoutes | None) -> tuple[Array, Ints]:
+    """Joints, and routes of tendons on the links that a tree of joints carries, as two arrays: calls hand on two in
+    place of forty. (numbers, one array behind the other; (·, 4) where each begins, and its shape).
+    """
+    parts: list[Any] = list(system)
+    if tree is not None and routes is not None:
+        parts += tree[:_TREE_PARTS]
+        tendons = routes.tendons
+        parts += [*routes.links, *tendons.routes, tendons.numbers, tendons.coupling, tendons.elastic, *tendons.given]
+        parts.append(tendons.post_legs)
+    layout, begins = np.zeros((len(parts), 4), dtype=np.int64), 0
+    for row, part in zip(layout, parts, strict=True):
+        row[0], row[1 : 1 + part.ndim] = begins, part.shape
+        begins += part.size
+    return np.concatenate([np.asarray(part, dtype=float).reshape(-1) for part in parts]), layout
+
+
 @kernel
-def joints_in_posture(s: JointSystem, tree: JointTree, routes: TendonRoutes, q: Array) -> tuple[JointSystem, bool]:
+def read_joint_system(x: Array, at: Ints) -> JointSystem:
+    """The joints of `pack_joints`."""
+    return JointSystem(
+        _matrix(x, at, 0), _matrix(x, at, 1), _matrix(x, at, 2), _vector(x, at, 3) != 0.0, _matrix(x, at, 4),
+        _vector(x, at, 5), _vector(x, at, 6) != 0.0, _vector(x, at, 7).astype(np.int64), _vector(x, at, 8),
+        _vector(x, at, 9), _matrix(x, at, 10), _vector(x, at, 11), _matrix(x, at, 12), _vector(x, at, 13),
+        _vector(x, at, 14) != 0.0, _matrix(x, at, 15), _vector(x, at, 16), _matrix(x, at, 17), _cube(x, at, 18),
+    )  # fmt: skip
+
+
+@kernel
+def joints_of_task(task: JointTask) -> tuple[JointSystem, JointStep, bool]:
+    """(the joints at the iterate; the step there; whether tendons along routes can run there and where joints are
+    commanded: no site of theirs is inside a body).
+    """
+    whole, drawn, fits = read_joint_system(task.numbers, task.layout), task.drawn.copy(), True
+    if len(task.layout) == _SYSTEM_PARTS:
+        return whole, JointStep(task.begun, task.commanded, task.target, drawn, task.driven), True
+    if task.driven:
+        there, fits = _joints_in_posture(whole, task.numbers, task.layout, task.commanded)
+        drawn = commanded_draw(there, task.commanded)
+    here, runs = _joints_in_posture(whole, task.numbers, task.layout, task.at)
+    target = spring_target(here, task.commanded, drawn)
+    return here, JointStep(task.begun, task.commanded, target, drawn, task.driven), fits and runs
+
+
+@kernel
+def _joints_in_posture(s: JointSystem, x: Array, at: Ints, q: Array) -> tuple[JointSystem, bool]:
     """The joints at q (nv,) with the arms that tendons have there; whether no site of theirs is inside a body."""
-    links = routes.links
-    joints, count = len(tree.parents), len(links.carriers)
+    k = _SYSTEM_PARTS
+    turns, places = _cube(x, at, k + 1), _matrix(x, at, k + 2)
+    tree = JointTree(
+        _vector(x, at, k).astype(np.int64), turns, places, _matrix(x, at, k + 3),
+        _vector(x, at, k + 4).astype(np.int64), _matrix(x, at, k + 5), _vector(x, at, k + 6), x[:0], places[:0],
+    )  # fmt: skip
+    k += _TREE_PARTS
+    carriers, rotations, origins = _vector(x, at, k).astype(np.int64), _cube(x, at, k + 1), _matrix(x, at, k + 2)
+    routes = PackedRoutes(
+        _vector(x, at, k + 3).astype(np.int64), _matrix(x, at, k + 4), _matrix(x, at, k + 5), _matrix(x, at, k + 6),
+        _vector(x, at, k + 7), _matrix(x, at, k + 8), _matrix(x, at, k + 9).astype(np.int64), _vector(x, at, k + 10),
+    )  # fmt: skip
+    given = TendonArms(_matrix(x, at, k + 14), _vector(x, at, k + 15), _vector(x, at, k + 16), _matrix(x, at, k + 17))
+    tendons = RoutedTendons(
+        routes, _vector(x, at, k + 11).astype(np.int64), _matrix(x, at, k + 12), _vector(x, at, k + 13) != 0.0, given,
+        _vector(x, at, k + 18).astype(np.int64),
+    )  # fmt: skip
+    joints, count = len(tree.parents), len(carriers)
     R, p, columns = np.empty((joints, 3, 3)), np.empty((joints, 3)), np.empty((joints, 6))
     write_joint_motions(tree, q, R, p, columns)
-    placements, turned, at = np.zeros((count, 4, 4)), np.empty((3, 3)), np.empty(3)
+    placements, turned, place = np.zeros((count, 4, 4)), np.empty((3, 3)), np.empty(3)
     for i in range(count):
-        compose_placement(R, p, links.carriers[i], links.rotations[i], links.origins[i], turned, at)
+        compose_placement(R, p, carriers[i], rotations[i], origins[i], turned, place)
         placements[i, 3, 3] = 1.0
         for a in range(3):
-            placements[i, a, 3] = at[a]
+            placements[i, a, 3] = place[a]
             for b in range(3):
                 placements[i, a, b] = turned[a, b]
     posed = CablePosture(placements, columns)
-    laid, _, wrong, _ = lay_tendons(routes.tendons, posed, q)
-    if wrong >= 0:
-        return s, False
-    return system_in_posture(s, laid, tendon_arm_rates(routes.tendons, posed)), True
+    laid, _, wrong, _ = lay_tendons(tendons, posed, q)
+    return system_in_posture(s, laid, tendon_arm_rates(tendons, posed)), wrong < 0
 
 
 @kernel
-def step_in_posture(s: JointSystem, step: JointStep) -> JointStep:
-    """The same step with springs as stiff as in the posture of these joints."""
-    return JointStep(step.begun, step.commanded, spring_target(s, step.commanded, step.drawn), step.drawn, step.driven)
+def _vector(x: Array, at: Ints, i: int) -> Array:
+    """One of the arrays of `pack_joints`, of one dimension."""
+    return x[at[i, 0] : at[i, 0] + at[i, 1]]
+
+
+@kernel
+def _matrix(x: Array, at: Ints, i: int) -> Array:
+    """One of two dimensions."""
+    return x[at[i, 0] : at[i, 0] + at[i, 1] * at[i, 2]].reshape(at[i, 1], at[i, 2])
+
+
+@kernel
+def _cube(x: Array, at: Ints, i: int) -> Array:
+    """One of three dimensions."""
+    size = at[i, 1] * at[i, 2] * at[i, 3]
+    return x[at[i, 0] : at[i, 0] + size].reshape(at[i, 1], at[i, 2], at[i, 3])
 
 
 @kernel

@@ -17,19 +17,16 @@ from handlcp.grasp.path.joint_system import (
     commanded_draw,
     joint_springs,
     move_free_joints,
+    pack_joints,
     read_joint_state,
     spring_target,
     system_in_posture,
 )
 from handlcp.grasp.path.pull import NO_PULL, Pull, Task
 
-_NONE, _NO_MATRIX, _NO_NUMBERS = np.zeros(0), np.zeros((0, 0)), np.zeros(0, dtype=np.int64)
-_NO_FLAGS = np.zeros(0, dtype=bool)
-NO_JOINTS = JointSystem(
-    _NO_MATRIX, _NO_MATRIX, _NO_MATRIX, _NO_FLAGS, _NO_MATRIX, _NONE, _NO_FLAGS, _NO_NUMBERS, _NONE, _NONE, _NO_MATRIX,
-    _NONE, _NO_MATRIX, _NONE, _NO_FLAGS, _NO_MATRIX, _NONE, _NO_MATRIX, np.zeros((0, 0, 0)),
-)  # fmt: skip
-NO_TASK = JointTask(False, NO_JOINTS, JointStep(_NONE, _NONE, _NONE, _NONE, False), _NO_NUMBERS, _NONE, _NONE)
+_NONE, _NO_NUMBERS, _NO_LAYOUT = np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 4), dtype=np.int64)
+NO_JOINTS = _NONE, _NO_LAYOUT  # as `pack_joints` has them, where joints do nothing but give way
+NO_TASK = JointTask(False, *NO_JOINTS, _NONE, _NONE, _NONE, _NONE, False, _NO_NUMBERS, _NONE, _NONE)
 
 
 class Joints:
@@ -98,7 +95,11 @@ class Joints:
         assumed first.
         """
         here = self.at(at)
-        return JointTask(True, here.system, here._step(task), begun.modes, begun.post_friction, at)
+        step, (numbers, layout) = here._step(task), pack_joints(here.system, None, None)
+        return JointTask(
+            True, numbers, layout, task.begun, task.commanded, step.target, step.drawn, step.driven, begun.modes,
+            begun.post_friction, at,
+        )  # fmt: skip
 
     def ends(self, begun: Pull, task: Task) -> tuple[Array, Pull]:
         """Where joints come to that meet nothing, and what they do."""

@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handlcp.actuation.cable_kinematics import PackedRoutes, RoutedTendons
 from handlcp.check import Array, Ints
 from handlcp.contact.closest_point import rolling_point
 from handlcp.contact.moving_contact import (
@@ -25,8 +24,6 @@ from handlcp.contact.moving_contact import (
     write_contact_arrays,
     write_given_contacts,
 )
-from handlcp.grasp.model.mechanism import TendonArms
-from handlcp.grasp.path.joint_system import TendonRoutes
 from handlcp.grasp.path.newton.numbers import Elastic
 from handlcp.grasp.path.newton.tangent import Moving, Touch
 from handlcp.kinematics.joint_tree import (
@@ -82,7 +79,6 @@ class HandArrays(NamedTuple):
     """A hand and its object. support (k, joints) : 1 where a joint moves a finger. pads (k, 3, 3) : their flexibility
     in tip axes [m/N]. compliance_factor (nv, m) : A of K⁻¹ = A Aᵀ. gravity (3,) [m/s²] : 0 where the fingers' weight is
     not asked for. swept : fingertips on an object that is known; given : others. radius (n,) : as in `Iterate`.
-    routes : of tendons whose arms change with the posture.
     """
 
     tree: JointTree
@@ -96,7 +92,6 @@ class HandArrays(NamedTuple):
     given: GivenTips
     supports: Supports
     radius: Array
-    routes: TendonRoutes
 
 
 class PostureArrays(NamedTuple):
@@ -164,16 +159,6 @@ _NOTHING = np.zeros((0, 0, 0))
 NO_SUPPORTS = Supports(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 0)))
 NO_SWEPT_TIPS = SweptTips(np.zeros((0, 3)), _NOTHING, np.zeros(0), np.zeros((0, 3)))
 NO_GIVEN_TIPS = GivenTips(*[np.zeros((0, 3)) for _ in range(4)])
-_NO_NUMBERS, _NO_FLAGS, _NO_LINKS = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=bool), np.zeros((0, 3))
-_NO_LEGS = PackedRoutes(
-    _NO_NUMBERS, _NO_LINKS, _NO_LINKS, _NO_LINKS, np.zeros(0), np.zeros((0, 0)), np.zeros((0, 4), dtype=np.int64),
-    np.zeros(0),
-)  # fmt: skip
-_NO_ARMS = TendonArms(np.zeros((0, 0)), np.zeros(0), np.zeros(0), np.zeros((0, 0)))
-NO_ROUTES = TendonRoutes(
-    False, TipPlacements(_NO_NUMBERS, _NOTHING, _NO_LINKS),
-    RoutedTendons(_NO_LEGS, _NO_NUMBERS, np.zeros((0, 0)), _NO_FLAGS, _NO_ARMS, _NO_NUMBERS),
-)  # fmt: skip
 NO_HAND = HandArrays(
     JointTree(
         np.zeros(0, dtype=np.int64), _NOTHING, np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.int64),
@@ -182,7 +167,7 @@ NO_HAND = HandArrays(
     TipPlacements(np.zeros(0, dtype=np.int64), _NOTHING, np.zeros((0, 3))), np.zeros((0, 0)), _NOTHING,
     np.zeros((0, 0)), np.zeros(3),
     Body(GIVEN, np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)),
-    NO_SWEPT_TIPS, NO_GIVEN_TIPS, NO_SUPPORTS, np.zeros(0), NO_ROUTES,
+    NO_SWEPT_TIPS, NO_GIVEN_TIPS, NO_SUPPORTS, np.zeros(0),
 )  # fmt: skip
 _STILL = Moving(np.zeros((0, 6)), np.zeros((0, 0)), np.zeros((0, 0)))
 NO_POSTURE = PostureArrays(

@@ -21,10 +21,9 @@ from handlcp.grasp.path.joint_system import (
     MAX_MODE_TRIALS,
     begin_trial,
     joint_springs,
-    joints_in_posture,
+    joints_of_task,
     move_free_joints,
     read_joint_state,
-    step_in_posture,
 )
 from handlcp.grasp.path.linearise import (
     Placed,
@@ -46,14 +45,15 @@ from handlcp.grasp.path.solve_step import (
     StepModel,
     StepOptions,
     is_loaded,
-    joint_step,
+    joint_task,
     largest_change,
     pose_distance,
     preload_offsets,
     read_part,
     read_state,
+    rubbing,
     solve_step,
-    write_joints,
+    write_tendons,
 )
 from handlcp.lcp.compiler.kernel import Kernel
 from handlcp.lcp.kernels.dense import kernel
@@ -213,32 +213,26 @@ def _move_joints(s: StepModel, old: StateArrays, begun: Array, controls: Array, 
     """Write where joints that rub come to (nv,), commanded to q and from begun (nv,), and what they do there; whether
     their tendons can run there.
     """
-    hand = s.geometry.hand
-    asked, fits = joint_step(s, begun, q.copy(), old, controls)
-    here, step, last, rests = s.joints, asked, begun.copy(), False
-    trial = begin_trial(here, old.modes.astype(np.int64), old.post_friction)
+    modes, friction, last, rests = old.modes.astype(np.int64), old.post_friction.copy(), begun.copy(), False
+    here, step, fits = joints_of_task(joint_task(s, old, begun, controls, modes, friction, last))
+    trial = begin_trial(here, modes, friction)
     for _ in range(MAX_MODE_TRIALS):
-        if fits and hand.routes.acts:
-            here, fits = joints_in_posture(s.joints, hand.tree, hand.routes, last)
-            step = step_in_posture(here, asked)
-        if not fits:
-            return False
-        trial = begin_trial(here, old.modes.astype(np.int64), old.post_friction)
         free, settled = move_free_joints(here, step, trial, last)
-        rests = settled and (not hand.routes.acts or largest_change(free, last) <= JOINT_ROUNDING)
-        last[:] = free
-        if rests or not settled:
+        rests = settled and (len(here.arm_rates) == 0 or largest_change(free, last) <= JOINT_ROUNDING)
+        if rests or not (settled and fits):
             break
+        last[:] = free
+        here, step, fits = joints_of_task(joint_task(s, old, begun, controls, modes, friction, last))
+        trial = begin_trial(here, modes, friction)
     if rests:
-        q[:] = last
+        q[:] = free
     else:
-        if hand.routes.acts:
-            here, fits = joints_in_posture(s.joints, hand.tree, hand.routes, q)
-            step = step_in_posture(here, asked)
-        trial = begin_trial(here, np.zeros(len(old.modes), np.int64), np.zeros(len(old.post_friction)))
+        here, step, fits = joints_of_task(joint_task(s, old, begun, controls, modes, friction, q))
+        trial = begin_trial(here, np.zeros(len(modes), np.int64), np.zeros(len(friction)))
         read_joint_state(here, joint_springs(here, trial), step, trial, q, np.zeros(len(q)))
-    found = trial.modes.astype(np.float64), trial.post_friction, trial.friction, trial.drawn, trial.tension, trial.taut
-    write_joints(here, found, end)
+    end.modes[:], end.post_friction[:] = trial.modes, trial.post_friction
+    write_tendons(trial.drawn, trial.tension, trial.taut, end)
+    rubbing(here, trial, end.rubs)
     return fits
 
 
@@ -584,12 +578,16 @@ def controls_between(begin: Array, end: Array, share: float) -> Array:
 
 @kernel
 def guess_between(m: PathReader, a: Array, b: Array, share: float) -> tuple[Array, Array]:
-    """(configuration, start) that are expected at this share of the way from state a to state b, beyond b above 1."""
+    """(configuration, start) that are expected at this share of the way from state a to state b, in a step from a; or,
+    above 1, beyond b, in a step from b. Slip is that of the step, which is as long as its share.
+    """
     first, second = read_part(a, m.state, PARTS.where), read_part(b, m.state, PARTS.where)
     old, start = read_part(a, m.state, PARTS.start), read_part(b, m.state, PARTS.start).copy()
-    where = np.empty(len(first))
+    where, motions, size = np.empty(len(first)), len(m.friction.scale) + 9, share if share <= 1.0 else share - 1.0
     place_between(m.poses, first, second, share, where)
     if read_part(a, m.state, PARTS.tally)[2] == read_part(b, m.state, PARTS.tally)[2]:
         for k in range(len(start)):
-            start[k] = old[k] + share * (start[k] - old[k])
+            i = k - motions
+            slips = i >= 0 and (i % 3 < 2 or i >= 3 * len(m.max_slip))
+            start[k] = size * start[k] if slips else old[k] + share * (start[k] - old[k])
     return where, start

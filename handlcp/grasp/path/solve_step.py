@@ -16,17 +16,15 @@ from handlcp.check import Array, Ints
 from handlcp.grasp.model.status import SEPARATED, SLIDING, ContactStatus, PathStatus
 from handlcp.grasp.path.joint_system import (
     MAX_MODE_TRIALS,
-    JointStep,
     JointSystem,
     JointTask,
+    JointTrial,
     assume_anew,
     begin_trial,
-    commanded_draw,
     joint_command,
     joint_springs,
-    joints_in_posture,
+    joints_of_task,
     read_joint_state,
-    step_in_posture,
     tensioned_stiffness,
 )
 from handlcp.grasp.path.linearise import (
@@ -97,7 +95,8 @@ class Sizes(NamedTuple):
 class StepModel(NamedTuple):
     """All that the steps of a grasp have in common. posture (nv,) : from which commands are counted; weight (3,) [N];
     damper (6,) : D, of a step with h = 1. by_contact : whether contacts are eliminated one by one. rubs : whether
-    joints do more than give way, as `joints` says. state, answer : where the parts of their rows begin.
+    joints do more than give way, as joints and joint_layout say (`pack_joints`). state, answer : where the parts of
+    their rows begin.
     """
 
     geometry: GeometryArrays
@@ -109,7 +108,8 @@ class StepModel(NamedTuple):
     sizes: Sizes
     by_contact: bool
     rubs: bool
-    joints: JointSystem
+    joints: Array
+    joint_layout: Ints
     state: Ints
     answer: Ints
 
@@ -260,9 +260,6 @@ def solve_step(
     swing, last = np.zeros(8), np.inf
     found = read_answer(answer, m.answer)
     modes, post_friction = old.modes.astype(np.int64), old.post_friction.copy()
-    here, (asked_of_joints, fits) = m.joints, joint_step(m, was.q, commanded, old, controls)
-    if not fits:
-        return _RUNS_AWAY
     if poses.follows:
         contacts.frames[:] = old.frames
     for count in range(1, MAX_ITERATES + 1):
@@ -286,13 +283,7 @@ def solve_step(
             contacts.touch, contacts.frames, contacts.moving, contacts.elastic, loads, slipped, radius, damping
         )
         measured = near if poses.follows else -1.0
-        step = asked_of_joints
-        if g.hand.routes.acts:
-            here, fits = joints_in_posture(m.joints, g.hand.tree, g.hand.routes, at.q)
-            if not fits:
-                return _RUNS_AWAY
-            step = step_in_posture(here, asked_of_joints)
-        task = JointTask(m.rubs, here, step, modes, post_friction, at.q)
+        task = joint_task(m, old, was.q, controls, modes, post_friction, at.q)
         if not answer_iterate(
             situation, m.rules, m.by_contact, task, start, loaded, kinds, measured, m.answer, answer
         ):  # fmt: skip
@@ -318,9 +309,9 @@ def solve_step(
             end.yielded[:] = 0.0
             ahead = (free or controls[8] != 0.0) and is_pushed_ahead(sizes, found.forces)
             _write_response(found, asked.past, ahead, end)
-            if m.rubs:
-                pull = found.modes, found.post_friction, found.friction, found.drawn, found.tension, found.taut
-                write_joints(here, pull, end)
+            end.rubs[:] = 0.0
+            end.modes[:], end.post_friction[:], end.rubs[: len(found.rubs)] = modes, post_friction, found.rubs
+            write_tendons(found.drawn, found.tension, found.taut, end)
             return SETTLED
         if judged != GOES_ON:
             return judged
@@ -348,36 +339,32 @@ def _write_response(found: AnswerArrays, past: Array, ahead: bool, end: StateArr
 
 
 @kernel
-def joint_step(
-    m: StepModel, begun: Array, commanded: Array, old: StateArrays, controls: Array
-) -> tuple[JointStep, bool]:  # fmt: skip
-    """(what a step asks of joints with the arms that were given, from a state in which they stand at begun (nv,);
-    whether tendons along routes can be where they are commanded, (nv,)).
-    """
-    driven, drawn = False, old.drawn.copy()
+def joint_task(
+    m: StepModel, old: StateArrays, begun: Array, controls: Array, modes: Ints, post_friction: Array, at: Array
+) -> JointTask:
+    """What a step asks of the joints at an iterate, in which they stand at (nv,). begun (nv,) : before the step."""
+    commanded, driven = m.posture + controls[9:], False
     for j in range(len(commanded)):
         driven = driven or controls[9 + j] != old.controls[9 + j]
-    if driven:
-        drawn[:] = 0.0
-    hand = m.geometry.hand
-    if driven and hand.routes.acts:
-        there, fits = joints_in_posture(m.joints, hand.tree, hand.routes, commanded)
-        if not fits:
-            return JointStep(begun, commanded, commanded, drawn, driven), False
-        drawn = commanded_draw(there, commanded)
-    return JointStep(begun, commanded, commanded, drawn, driven), True
+    drawn = np.zeros(len(old.drawn)) if driven else old.drawn.copy()
+    return JointTask(
+        m.rubs, m.joints, m.joint_layout, begun, commanded, commanded, drawn, driven, modes, post_friction, at
+    )
 
 
 @kernel
-def write_joints(s: JointSystem, found: tuple[Array, ...], end: StateArrays) -> None:
-    """Write what joints do at a step's end. found : modes, friction of posts that slip, friction, and of tendons drawn,
-    tension and taut, as in `JointTrial`.
-    """
-    end.modes[:], end.post_friction[:], friction = found[0], found[1], found[2]
-    end.drawn[:], end.tension[:], end.taut[:], end.rubs[:] = found[3], found[4], found[5], 0.0
-    for i in range(len(end.slack)):
-        end.slack[i] = 1.0 if end.tension[i] > end.taut[i] else 0.0
-    add_transposed(s.friction_rows, friction, 1.0, end.rubs)
+def write_tendons(drawn: Array, tension: Array, taut: Array, end: StateArrays) -> None:
+    """Write what tendons do (t,) at a step's end."""
+    end.drawn[:], end.tension[:], end.taut[:] = drawn, tension, taut
+    for i in range(len(tension)):
+        end.slack[i] = 1.0 if tension[i] > taut[i] else 0.0
+
+
+@kernel
+def rubbing(s: JointSystem, trial: JointTrial, out: Array) -> None:
+    """Write what friction takes of the torques (nv,) in a trial [N·m]."""
+    out[:] = 0.0
+    add_transposed(s.friction_rows, trial.friction, 1.0, out)
 
 
 @kernel
@@ -580,7 +567,9 @@ def solve_in_modes(
     """
     if not joints.acts:
         return solve_once(s, rules, by_contact, start, begun, near, row)
-    system, step, at, el, loads, nv = joints.system, joints.step, joints.at, s.elastic, s.loads, len(joints.at)
+    (system, step, fits), at, el, loads, nv = joints_of_task(joints), joints.at, s.elastic, s.loads, len(joints.at)
+    if not fits:
+        return False
     trial, found = begin_trial(system, joints.modes, joints.post_friction), read_answer(row, parts)
     q, torque, held = np.empty(nv), np.empty(nv), 1.0 - rules.laws.sags
     for _ in range(MAX_MODE_TRIALS):
@@ -601,8 +590,9 @@ def solve_in_modes(
             add_product(H, found.change, -1.0, torque)
         read_joint_state(system, springs, step, trial, q, torque)
         if assume_anew(system, step, trial, q):
-            found.modes[:], found.post_friction[:], found.friction[:] = trial.modes, trial.post_friction, trial.friction
+            found.modes[:], found.post_friction[:] = trial.modes, trial.post_friction
             found.drawn[:], found.tension[:], found.taut[:] = trial.drawn, trial.tension, trial.taut
+            rubbing(system, trial, found.rubs)
             return True
     return False
 

@@ -13,11 +13,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, Ints, read_only
 from handlcp.contact.friction import Section
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import ContactStatus, PathStatus, shown_statuses
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
+from handlcp.grasp.path.joint_system import pack_joints
 from handlcp.grasp.path.joints import NO_JOINTS, NO_TASK, Joints
 from handlcp.grasp.path.newton.answer import Reached
 from handlcp.grasp.path.newton.linear_solve import Rules
@@ -205,9 +206,17 @@ class Stepper:
         rules = Rules(laws.laws, laws.friction_coefficients, no_extra, giving, laws.yields, laws.pattern)
         return StepModel(
             arrays, rules, self.grasp.preloads, np.array(self.grasp.posture), np.array(weight), self.damper,
-            self.sizes, laws.by_contact, joints is not None, NO_JOINTS if joints is None else joints.system,
-            self.layout.starts, laws.answer.starts,
+            self.sizes, laws.by_contact, joints is not None, *self._packed_joints(), self.layout.starts,
+            laws.answer.starts,
         )  # fmt: skip
+
+    def _packed_joints(self) -> tuple[Array, Ints]:
+        """Joints that do more than give way, and routes of their tendons, as compiled code reads them."""
+        if self.joints is None:
+            return NO_JOINTS
+        routed, arrays = self.joints.cables.elasticity_at is not None, self.geometry.arrays
+        routes = self.geometry.tendon_routes if routed else None
+        return pack_joints(self.joints.system, None if arrays is None else arrays.hand.tree, routes)
 
     def beginning(self, controls: Controls) -> State:
         """Before anything is done: nothing is loaded, and the joints stand in the grasp's posture."""

@@ -21,11 +21,11 @@ class Answer(RowLayout):
 
     def __init__(self, n: int, nv: int, c: int, k: int, dof: int, joints: tuple[int, int] | None) -> None:
         m, t = joints or (0, 0)
-        rows = 0 if joints is None else nv + m
+        modes, rubs = (0, 0) if joints is None else (nv + m + t, nv)
         shapes: dict[str, tuple[int, ...]] = {
             "forces": (n, 3), "motion": (n, 3), "torsion": (n,), "spin": (n,), "torque": (nv,), "change": (nv,),
             "twist": (6,), "centre": (3,), "gives": (k,), "give": (n, 3), "turn": (n,), "slip_memory": (n, 3),
-            "kinds": (n,), "start": (2 * c + 9,), "modes": (rows + t,), "post_friction": (m,), "friction": (rows,),
+            "kinds": (n,), "start": (2 * c + 9,), "modes": (modes,), "post_friction": (m,), "rubs": (rubs,),
             "drawn": (t,), "tension": (t,), "taut": (t,), "met": (dof, dof),
         }  # fmt: skip
         super().__init__(shapes, begin=3)
@@ -50,7 +50,7 @@ class AnswerArrays(NamedTuple):
     start: Array
     modes: Array
     post_friction: Array
-    friction: Array
+    rubs: Array
     drawn: Array
     tension: Array
     taut: Array
@@ -92,8 +92,7 @@ class Reached:
     """Where an iterate's answer leads, SI. forces, motion (n, 3), torsion, spin (n,), torque, change (nv,) of the
     joints from the iterate, twist (6,) about centre (3,), gives (k,) motions of limits. give (n, 3), turn (n,),
     slip_memory (n, 3) : as `_end_of_step` has them. start (2c + 9,) : where the next solve may begin: forces in the
-    laws' coordinates, twist, centre, and motions at the contacts in these coordinates. friction (nv + m,) : of joints
-    that rub [N·m], and posts [N].
+    laws' coordinates, twist, centre, and motions at the contacts in these coordinates. rubs : as in `State`.
     """
 
     __slots__ = ("_parts", "_row")
