@@ -58,9 +58,10 @@ from handlcp.grasp.path.path_model import (
     motion,
     slip_lengths,
     steps_kernel,
+    take_step,
     write_events,
 )
-from handlcp.grasp.path.solve_step import PARTS, SETTLED, read_part
+from handlcp.grasp.path.solve_step import PARTS, SETTLED, StepOptions, largest_change, read_part
 from handlcp.grasp.path.trace import StageArrays, Trace
 from handlcp.lcp.compiler.borrow import borrowed
 from handlcp.lcp.kernels.dense import kernel
@@ -76,6 +77,10 @@ _AFTER = 4.0  # times the step on which it snapped: the next, where another may 
 _CHAIN = 1.01  # steps between snaps that are one
 _SAFETY, _LEAST_SHARE, _MOST_SHARE = 0.8, 0.1, 3.0  # of the step that the error of the last one suggests
 _BEYOND = 2.0**-12  # of the unit: a step from just before an end that is known, which is none if that leads on
+_OTHERWISE = 2.0**-20  # of the unit: such a step, in which contacts slip in other ways
+_WAYS, _MOST_PASSED = 48, 16  # ways that are tried at an end, and ends that are passed so
+_SPREAD = (0.6180339887498949, 0.7548776662466927)  # shares that spread evenly
+_FASTER = 8.0  # times such a step: the next
 _SHORT = 0.9  # of a step without a solution that led about to the first change: what is tried next
 _NO_PUSH = np.zeros(0)
 
@@ -148,6 +153,8 @@ def advance(m: PathSteps, g: StageArrays, t: Trace) -> int:
         size = g.last - share
     if not m.read.poses.follows and leg.ends - share <= 2.0 * g.exact * g.unit:
         if leg.failed == _CLOSES and not _leads_beyond(m, g, t, state):
+            if m.read.friction.faces > 0 and leg.passed < _MOST_PASSED and _slip_otherwise(m, g, t, state):
+                return _GOES
             return _continue_failed(m, g, t, state, _NO_FORCES, g.exact * g.unit)  # shorter steps obey laws by rounding
         leg.ends, leg.failed = np.inf, 0  # shorter steps lead on, or one from here does
     found = np.empty(len(state))
@@ -213,6 +220,39 @@ def _leads_beyond(m: PathSteps, g: StageArrays, t: Trace, state: Array) -> bool:
     if find_step(m, g, t, state, share, size, found) != SETTLED:
         return False
     return not _leaps(m, g, t, state, found, share, size)
+
+
+@steps_kernel
+def _slip_otherwise(m: PathSteps, g: StageArrays, t: Trace, state: Array) -> bool:
+    """A very short step in which contacts slip in other ways than Newton's method expects where friction comes to a
+    corner of its faces; whether there is one, which is taken. Ways and sizes of slip are spread evenly (Kronecker's
+    sequence), so that they are the same ones every time.
+    """
+    leg, c, n = t.leg[0], len(m.read.friction.scale), len(m.read.max_slip)
+    size = min(_OTHERWISE * g.unit, g.last - leg.share)
+    controls, found = controls_between(g.begin, g.end, leg.share + size), np.empty(len(state))
+    where, known = read_part(state, m.read.state, PARTS.where), read_part(state, m.read.state, PARTS.start)
+    forces, load = read_part(state, m.read.state, PARTS.forces), 0.0
+    for a in range(3):
+        load += (g.end[a] - g.begin[a]) ** 2 + ((g.end[3 + a] - g.begin[3 + a]) / m.read.sizes.length) ** 2
+    little, start = size * load**0.5 / m.read.sizes.stiffness, known.copy()
+    asked = StepOptions(m.read.sizes.slow, 1.0, np.zeros((0, 3)), False)
+    for k in range(1, _WAYS + 1):
+        for i in range(c):
+            if i % 3 < 2 or i >= 3 * n:
+                way, far = (k * _SPREAD[0] * (i + 1)) % 1.0, (k * _SPREAD[1] * (i + 1)) % 1.0
+                start[c + 9 + i] = little * np.cos(2.0 * np.pi * way) * 10.0 ** (4.0 * far - 2.0)
+        settled = take_step(m, state, controls, where, start, asked, found) == SETTLED
+        now = read_part(found, m.read.state, PARTS.forces)
+        if not settled or largest_change(now, forces) > g.accuracy * largest_force(m.read, state):
+            continue
+        if not _leaps(m, g, t, state, found, leg.share, size):
+            leg.passed, leg.share = leg.passed + 1, leg.share + size
+            leg.speed = distance(m.read, state, found) / size
+            _add(m.read, g, t, found, leg.share, 0.0)
+            leg.ends, leg.failed, leg.before, leg.step = np.inf, 0, size, _FASTER * size
+            return True
+    return False
 
 
 @kernel
@@ -356,12 +396,14 @@ def _continue_failed(m: PathSteps, g: StageArrays, t: Trace, state: Array, why: 
 @steps_kernel
 def _shorter(m: PathSteps, g: StageArrays, t: Trace, state: Array, size: float) -> float:
     """The step to try where this one has no solution: half of it; where contacts stay where they are, up to where the
-    first of them changes its state if it goes on as it begins, which is exact if none slides on a round law.
+    first of them changes its state if it goes on as it begins, or towards an end that is known as in the last step,
+    which is exact if none slides on a round law.
     """
     if m.read.poses.follows:
         return 0.5 * size
     if t.leg[0].ends < np.inf:
-        return max(0.5 * size, g.exact * g.unit)
+        change = _next_change(m.read, t, state)
+        return change if g.exact * g.unit < change < size else max(0.5 * size, g.exact * g.unit)
     begins = np.empty(len(state))
     if find_part(m, g, 0.0, state, state, t.leg[0].share, size, BEGINS, begins) != SETTLED:
         return BEGINS * size
@@ -374,10 +416,17 @@ def _step_to_end(m: PathReader, t: Trace, found: Array) -> float:
     """The step after one towards an end that is known: to half of what is left, or up to where the first contact
     changes its state if all go on as in the last step, when that is farther.
     """
-    leg = t.leg[0]
-    left = leg.ends - leg.share
-    change = (first_crossing(m, t.rows[leg.number - 2], found) - 1.0) * (leg.share - t.shares[leg.number - 2])
+    left, change = t.leg[0].ends - t.leg[0].share, _next_change(m, t, found)
     return float(change if 0.5 * left < change < left and not m.poses.follows else 0.5 * left)
+
+
+@kernel
+def _next_change(m: PathReader, t: Trace, state: Array) -> float:
+    """The step from the last state to where the first contact changes its state, if all go on as in the last step."""
+    k = t.leg[0].number - 1
+    if k == 0:
+        return np.inf
+    return float((first_crossing(m, t.rows[k - 1], state) - 1.0) * (t.shares[k] - t.shares[k - 1]))
 
 
 @kernel

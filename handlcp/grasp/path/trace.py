@@ -19,12 +19,12 @@ _EVENTS, _SNAPS, _ANSWERS = 256, 16, 8
 # count : tries. number, events, snaps : how many are written. slides_share, slides_number, jump_share, jump_number :
 # where a contact has slid as far as it may, and where the loaded object jumps, by share and state; number -1: nowhere,
 # -2: in an earlier stage. status : a `PathStatus`. asked, answered : searches of this try that were asked for, and that
-# Python has answered.
+# Python has answered. passed : ends that were passed by other ways of slipping.
 LEG = np.dtype([
     *[(name, np.float64) for name in ("share", "step", "ends", "speed", "before", "slides_share", "jump_share")],
     *[(name, np.int64) for name in (
         "then", "failed", "count", "number", "events", "snaps", "slides_number", "jump_number", "status", "asked",
-        "answered",
+        "answered", "passed",
     )],
 ], align=True)  # fmt: skip
 
