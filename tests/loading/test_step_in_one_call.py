@@ -19,6 +19,7 @@ from handlcp.kinematics.rigid_motion import rotation_vector
 from tests.loading.hands import ball, box_on_a_table, cube
 from tests.paths.corpus import case_of
 from tests.support.power import WEAK, power_grasp
+from tests.support.routed import LOAD, threes
 
 ROUNDING = 1e-7  # of the largest force: paths amplify the rounding of their steps where contacts slide
 
@@ -71,6 +72,9 @@ def assert_same(grasp, load, **how):
         for name in ("slip_memory", "slid", "yielded", "start", "rubs", "met"):
             x, y = getattr(s, name), getattr(t, name)
             np.testing.assert_allclose(x, y, atol=1e-5 * max(1e-3, abs(y).max(initial=0.0)), err_msg=name)
+
+    for x, y in zip(one.last.pull, other.last.pull, strict=True):
+        np.testing.assert_allclose(x, y, atol=1e-6 * max(1e-3, abs(y).max(initial=0.0)))
 
 
 def flat(value):
@@ -127,6 +131,20 @@ def test_contacts_that_were_given_without_an_object_follow_the_same_path():
     contacts = [hl.Contact(c.position, c.normal, hl.Coulomb(0.8), None, c.name) for c in given]
     grasp = state.grasp(contacts, preload=0.004, wrench=(0, 0, -2, 0, 0, 0))
     assert_same(grasp, np.array([0.5, 0.0, -2.0, 0.0, 0.0, 0.0]), steps=4)
+
+
+def test_joints_that_rub_follow_the_same_path():
+    box = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0, joint_friction=0.02)
+    grasp = hand.at(hand.close_on(box)).grasp(box, friction=0.8, squeeze=0.005)
+    assert_same(grasp, np.array([1.0, 0.0, -2.0, 0.0, 0.0, 0.0]), steps=4)
+
+
+@pytest.mark.parametrize("routed", [False, True])
+@pytest.mark.parametrize(("extensors", "pretension", "friction"), [(False, 0.0, 0.0), (True, 4.0, 0.1)])
+def test_tendons_with_fixed_arms_and_along_routes_follow_the_same_path(routed, extensors, pretension, friction):
+    grasp = threes(extensors, pretension, routed, friction)
+    assert_same(grasp, np.array(LOAD), steps=4)
 
 
 def test_many_contacts_that_are_eliminated_one_by_one_follow_the_same_path():
