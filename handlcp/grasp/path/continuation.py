@@ -402,7 +402,7 @@ def _shorter(m: PathSteps, g: StageArrays, t: Trace, state: Array, size: float) 
     if m.read.poses.follows:
         return 0.5 * size
     if t.leg[0].ends < np.inf:
-        change = _next_change(m.read, t, state)
+        change = _next_change(m.read, t, state) if m.read.friction.faces > 0 else np.inf
         return change if g.exact * g.unit < change < size else max(0.5 * size, g.exact * g.unit)
     begins = np.empty(len(state))
     if find_part(m, g, 0.0, state, state, t.leg[0].share, size, BEGINS, begins) != SETTLED:

@@ -579,7 +579,8 @@ def controls_between(begin: Array, end: Array, share: float) -> Array:
 @kernel
 def guess_between(m: PathReader, a: Array, b: Array, share: float) -> tuple[Array, Array]:
     """(configuration, start) that are expected at this share of the way from state a to state b, in a step from a; or,
-    above 1, beyond b, in a step from b. Slip is that of the step, which is as long as its share.
+    above 1, beyond b, in a step from b. Slip is that of the step, which is as long as its share; in a part of one in
+    which slip may turn, on round laws, it is between those of both steps.
     """
     first, second = read_part(a, m.state, PARTS.where), read_part(b, m.state, PARTS.where)
     old, start = read_part(a, m.state, PARTS.start), read_part(b, m.state, PARTS.start).copy()
@@ -588,6 +589,6 @@ def guess_between(m: PathReader, a: Array, b: Array, share: float) -> tuple[Arra
     if read_part(a, m.state, PARTS.tally)[2] == read_part(b, m.state, PARTS.tally)[2]:
         for k in range(len(start)):
             i = k - motions
-            slips = i >= 0 and (i % 3 < 2 or i >= 3 * len(m.max_slip))
+            slips = i >= 0 and (i % 3 < 2 or i >= 3 * len(m.max_slip)) and (share > 1.0 or m.friction.faces > 0)
             start[k] = size * start[k] if slips else old[k] + share * (start[k] - old[k])
     return where, start
