@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.actuation.cable_kinematics import RoutedTendons, tendon_arm_rates
 from handlcp.actuation.route import Around, BoundRoutes, Pulley, Route
 from handlcp.check import Array, Bools, Ints, check_array, check_keys, check_number, count_dimensions, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.model.mechanism import Cables, TendonArms
+from handlcp.grasp.model.mechanism import Cables
+from handlcp.kinematics.cable_kinematics import RoutedTendons, TendonArms, tendon_arm_rates
 
 Arms = dict[str, dict[str, float]]
 _FRICTION_ARGUMENT = "Tendons.friction"

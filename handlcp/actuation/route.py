@@ -9,15 +9,6 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 import pinocchio as pin
 
-from handlcp.actuation.cable_kinematics import (
-    SURFACE_ROUNDING,
-    CablePaths,
-    CablePosture,
-    PackedRoutes,
-    RoutedTendons,
-    lay_tendons,
-    tendon_arm_rates,
-)
 from handlcp.check import (
     Array,
     check_array,
@@ -29,7 +20,16 @@ from handlcp.check import (
     read_only,
 )
 from handlcp.errors import InputError, UnknownName, Unsupported, shorten_repr
-from handlcp.grasp.model.mechanism import TendonArms
+from handlcp.kinematics.cable_kinematics import (
+    SURFACE_ROUNDING,
+    CablePaths,
+    CablePosture,
+    PackedRoutes,
+    RoutedTendons,
+    TendonArms,
+    lay_tendons,
+    tendon_arm_rates,
+)
 
 CYLINDER, SPHERE = "cylinder", "sphere"
 

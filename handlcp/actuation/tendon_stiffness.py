@@ -10,7 +10,6 @@ from typing import Any, Self, TypeVar
 
 import numpy as np
 
-from handlcp.actuation.cable_kinematics import RoutedTendons
 from handlcp.actuation.cable_routing import CableRouting
 from handlcp.actuation.joint_stiffness import TENDON_TENSION, Effort, JointStiffness, orthonormal_basis
 from handlcp.actuation.motor import Drives, check_driven_once, read_tendon_motors
@@ -18,6 +17,7 @@ from handlcp.actuation.route import BoundRoutes, Route
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model.mechanism import Cables
+from handlcp.kinematics.cable_kinematics import RoutedTendons
 from handlcp.lcp.kernels.dense import inverse_root
 from handlcp.tolerances import SEMIDEFINITE_TOLERANCE
 

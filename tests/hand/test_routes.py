@@ -9,9 +9,9 @@ import pytest
 
 import handlcp as hl
 from handlcp.actuation import Around, Pulley, Route, Site
-from handlcp.actuation.cable_kinematics import CablePosture, lay_tendons, tendon_arm_rates
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand import Hand, example_hand
+from handlcp.kinematics.cable_kinematics import CablePosture, lay_tendons, tendon_arm_rates
 from handlcp.robot.mjcf_cable import read_routes
 from tests.support.kernels import interpreted
 

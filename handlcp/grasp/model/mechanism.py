@@ -95,17 +95,6 @@ class Cables(NamedTuple):
         return np.asarray(torque - self.arms.T @ (self.tensions(torque) - self.initial_tension))
 
 
-class TendonArms(NamedTuple):
-    """What of `Cables` changes with the posture, as compiled code reads it: arms (t, nv), shift (t,), wrap_friction
-    (m,) and arms_beyond (m, nv).
-    """
-
-    arms: Array
-    shift: Array
-    wrap_friction: Array
-    arms_beyond: Array
-
-
 @kernel
 def least_tensions(arms: Array, initial: Array, known: Bools, torque: Array) -> Array:
     """(t,) t [N] that make torques Rᵀ (t - T₀) (nv,) [N·m] with the least pull beyond T₀, as `Cables.tensions` has it.

@@ -46,9 +46,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.actuation.cable_kinematics import CablePosture, PackedRoutes, RoutedTendons, lay_tendons, tendon_arm_rates
 from handlcp.check import Array, Bools, Ints
-from handlcp.grasp.model.mechanism import TendonArms, least_tensions
+from handlcp.grasp.model.mechanism import least_tensions
+from handlcp.kinematics.cable_kinematics import (
+    CablePosture,
+    PackedRoutes,
+    RoutedTendons,
+    TendonArms,
+    lay_tendons,
+    tendon_arm_rates,
+)
 from handlcp.kinematics.joint_tree import JointTree, TipPlacements, compose_placement, write_joint_motions
 from handlcp.lcp.kernels.dense import (
     add_product,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Ints, read_only
-from handlcp.grasp.model.mechanism import Cables, TendonArms
+from handlcp.grasp.model.mechanism import Cables
 from handlcp.grasp.path.joint_system import (
     JOINT_ROUNDING,
     MAX_MODE_TRIALS,
@@ -23,6 +23,7 @@ from handlcp.grasp.path.joint_system import (
     system_in_posture,
 )
 from handlcp.grasp.path.pull import NO_PULL, Pull, Task
+from handlcp.kinematics.cable_kinematics import TendonArms
 
 _NONE, _NO_NUMBERS, _NO_LAYOUT = np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 4), dtype=np.int64)
 NO_JOINTS = _NONE, _NO_LAYOUT  # as `pack_joints` has them, where joints do nothing but give way

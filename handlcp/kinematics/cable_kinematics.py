@@ -25,7 +25,6 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints
-from handlcp.grasp.model.mechanism import TendonArms
 from handlcp.lcp.kernels.dense import kernel, product
 
 SURFACE_ROUNDING = 1e-9  # of a radius: a point less deep inside a body lies on its surface
@@ -342,6 +341,17 @@ def evaluate_arm_rates(s: PackedRoutes, posed: CablePosture, out: Array) -> None
             for k in range(3):
                 _restore_place(low, at, s.legs[n, 1 + k])
                 _restore_place(high, at, s.legs[n, 1 + k])
+
+
+class TendonArms(NamedTuple):
+    """What of tendons changes with the posture, as compiled code reads it: arms (t, nv), shift (t,), wrap_friction
+    (m,) and arms_beyond (m, nv).
+    """
+
+    arms: Array
+    shift: Array
+    wrap_friction: Array
+    arms_beyond: Array
 
 
 class RoutedTendons(NamedTuple):
